@@ -75,7 +75,7 @@ def test_a_rim_is_its_contour_integral() -> None:
         way = np.cos(t)[:, None] * second - np.sin(t)[:, None] * first
         scale = np.tile(0.5 * span / 400 * weights, 400) / (q**2).sum(axis=1)
         expected = (np.cross(q, way) * scale[:, None]).sum(axis=0)
-        found = rim_flux(Vec3(*middle), Vec3(*first), Vec3(*second), begin, begin + span).parts
+        found = rim_flux(Vec3(*middle), Vec3(*first), Vec3(*second), begin, begin + span, span).parts
         np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
 
 

@@ -74,3 +74,37 @@ def test_a_small_lamp_shines_like_a_point(texture: Any, gloss: Scene) -> None:
                 beyond.append((z, away, share, off / light, stated / light))
     assert told >= 3 * len(PLACES)
     assert not beyond
+
+
+def test_the_light_of_a_lamp_is_right_however_small_it_is_seen() -> None:
+    """Its irradiance is pi L r^2 cos / d^2: a sine of the double nearest to 2 pi must not show beside r^2/d^2."""
+    rng = np.random.default_rng(3)
+    off, seen = [], 0
+    for _ in range(60):
+        normal, away = rng.normal(size=3), rng.normal(size=3)
+        up = normal / np.linalg.norm(normal)
+        level = away - (away @ up) * up
+        distance, radius, cosine = 10 ** rng.uniform(0, 4), 10 ** rng.uniform(-5, -2), 10 ** rng.uniform(-1.5, 0)
+        way = cosine * up + np.sqrt(1 - cosine**2) * level / np.linalg.norm(level)
+        along = np.eye(3)[np.argmin(np.abs(up))]
+        world = {
+            "units": "radiometric", "name": "small", "bounces": 0,
+            "camera": {"type": "look_at", "eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40},
+            "materials": {
+                "floor": {"type": "diffuse", "reflectance": 1.0}, "black": {"type": "diffuse", "reflectance": 0.0}
+            },
+            "shapes": [
+                {"type": "plane", "name": "P", "point": [0.0, 0.0, 0.0], "normal": up.tolist(), "along": along.tolist(),
+                 "material": "floor"},
+                {"type": "sphere", "name": "lamp", "center": (distance * way).tolist(), "radius": radius,
+                 "material": "black"},
+            ],
+            "lights": [{"type": "area", "name": "L", "shape": "lamp", "radiance": 1.0}],
+        }  # fmt: skip
+        found = sr.probe(world, rays=(up[None], -up[None]), tol=1.0)
+        true = (radius / distance) ** 2 * cosine
+        assert 0.0 < found.error[0] < 1e-9 * true
+        # what the numbers of the scene themselves are rounded by, over a cosine
+        off.append(abs(found.radiance[0, 0] - true) / (found.error[0] + 4e-16 * true / cosine))
+        seen += 1
+    assert seen == 60 and max(off) < 1.0

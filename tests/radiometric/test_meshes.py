@@ -11,7 +11,7 @@ from tests.radiometric import flats, nets
 from tests.radiometric.clipped import faces, irradiance, normal
 
 import symrender as sr
-from symrender.errors import SceneError, Unsupported
+from symrender.errors import Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.radiometric.bounds import loose_bounds
 from symrender.radiometric.sky import sky_room
@@ -242,8 +242,6 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     shapes = flats.disk("D", [0, 0, 0], [0, 0, 1], 1.0), nets.mesh("M", nets.ball(3, 4))
     with pytest.raises(Unsupported, match="a disk"):
         sr.truth(flats.world(*shapes, lights=[POINT], bounces="all"), size=2)
-    with pytest.raises(SceneError, match=r"lights\[0\].shape: must name .* got the mesh 'M'"):
-        made.replace({"lights": [flats.area("M")]})
 
 
 def test_closed_meshes_hide_from_both_sides() -> None:
@@ -266,3 +264,60 @@ def test_closed_meshes_hide_from_both_sides() -> None:
     beyond = nets.mesh("M", (vertices, turned), position=[0.0, 0.0, 4.0], scale=0.5)
     far = flats.world(FLOOR, beyond, lamp, lights=[flats.area("lamp")])
     assert sr.probe(far, rays=place, tol=1e-6).direct == pytest.approx(light.direct, rel=1e-14)
+
+
+CUBE: nets.Net = (
+    [[x, y, z] for z in (0.0, 1.0) for y in (-0.5, 0.5) for x in (-0.5, 0.5)],
+    [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2],
+     [1, 3, 7], [1, 7, 5]],
+)  # fmt: skip
+"""A closed mesh that stands on z = 0."""
+CORNER: nets.Net = (
+    [[x, y, z] for z in (1.0, 1.6) for x, y in ((0, 0), (1, 0), (1, 0.4), (0.4, 0.4), (0.4, 1), (0, 1))],
+    [[2, 1, 0], [3, 2, 0], [4, 3, 0], [5, 4, 0], [6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]
+    + [[k, m, m + 6] for k, m in ((0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0))]
+    + [[k, m + 6, k + 6] for k, m in ((0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0))],
+)
+"""A closed one with a notch, in which it sees itself."""
+
+
+@pytest.mark.parametrize("floor", [FLOOR, flats.plane("floor", [0, 0, 0], [0, 0, 1])], ids=["rectangle", "plane"])
+def test_a_closed_mesh_stands_on_a_floor_as_a_box_does(floor: flats.Scene) -> None:
+    """The face it stands on is never seen."""
+    grey = {name: {"type": "diffuse", "reflectance": 0.5} for name in ("white", "both")}
+    mesh, solid = nets.mesh("M", CUBE), flats.box("M", [0, 0, 0.5], [1, 1, 1])
+    origins, directions = looking(np.array([3.0, -4.0, 2.0]), (-1.5, -1.5, 0.0), (1.5, 1.5, 1.0), 12)
+    found, true = (
+        sr.probe(
+            flats.world(floor, each, lights=[POINT], bounces=1, materials=grey), rays=(origins, directions), tol=1e-3
+        )
+        for each in (mesh, solid)
+    )
+    assert (found.status == 0).all() and (true.status == 0).all() and (true.indirect.max(axis=1) > 1e-3).sum() >= 4
+    assert (np.abs(found.radiance - true.radiance).max(axis=1) <= found.error + true.error).all()
+
+
+def looking(eye: Any, low: Any, high: Any, count: int) -> tuple[Any, Any]:
+    toward = np.random.default_rng(5).uniform(low, high, (count, 3)) - eye
+    return np.tile(eye, (count, 1)), toward / np.linalg.norm(toward, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize(("net", "convex"), [(CUBE, True), (CORNER, False)], ids=["cube", "notched"])
+def test_a_mesh_emits_as_its_triangles_do(net: nets.Net, convex: bool) -> None:
+    """Onto a floor and, in a notch, onto itself."""
+    vertices = [[x, y, z + (1.0 if convex else 0.0)] for x, y, z in net[0]]
+    mesh = flats.world(FLOOR, nets.mesh("M", (vertices, net[1])), lights=[flats.area("M")])
+    parts = [flats.triangle(f"T{k}", [vertices[v] for v in face]) for k, face in enumerate(net[1])]
+    lamps = [flats.area(each["name"], name=f"L{k}") for k, each in enumerate(parts)]
+    origins, directions = looking(np.array([2.5, 2.0, 2.4]), (-1.0, -1.0, 0.0), (1.0, 1.0, 2.0), 60)
+    found = sr.probe(mesh, rays=(origins, directions), tol=1e-6)
+    true = sr.probe(flats.world(FLOOR, *parts, lights=lamps), rays=(origins, directions), tol=1e-6)
+    on_mesh = np.array([name == "shapes.M" for name in found.shape])
+    assert (found.status == 0).all() and on_mesh.sum() > 10 and (~on_mesh & (true.direct[:, 0] > 1e-2)).sum() > 10
+    assert convex or (on_mesh & (true.direct[:, 0] > 1e-2)).sum() > 5
+    assert (np.abs(found.radiance - true.radiance).max(axis=1) <= found.error + true.error).all()
+    runs = [numeric_rays(radiometric_arrays(sr.load(mesh)), origins, directions, order=20, seed=s) for s in range(8)]
+    lit, noise = np.mean([run[1][:, 0] for run in runs], axis=0), np.std([run[1][:, 0] for run in runs], axis=0, ddof=1)
+    assert (runs[0][0] == found.emitted).all()
+    assert (np.abs(lit - found.direct[:, 0]) <= 7 * noise / math.sqrt(8) + 1e-3).all()
+    assert np.median(noise) < 0.05

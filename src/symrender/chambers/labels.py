@@ -117,7 +117,7 @@ def disk_state(
     partly = False
     for k in range(view.sides.shape[0]):
         # a plane cuts the disk, or hides all of it or nothing
-        up, rise = disk_over(p, view.sides[k])
+        up, rise = disk_over(i, k, view)
         cut = abs(up) < rise
         partly = partly or cut
         if k == work.chart.plane:
@@ -178,7 +178,7 @@ def light_state(
         return disk_state(i, qx, qy, qz, nx, ny, nz, view, work)
     j = work.chart.shape_index
     ax, ay, az = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
-    if planes_hide(ax, ay, az, qx, qy, qz, view, work):
+    if planes_hide(i, qx, qy, qz, view, work):
         return DARK
     lx, ly, lz = ax - qx, ay - qy, az - qz
     if view.points[i].spot != 0.0 and beyond_cutoff(view.points[i], lx, ly, lz):

@@ -12,9 +12,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import Chart, LightPoint, Side
+from symrender.chambers.records import Chart, Side
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.scene.frames import LEVEL
 
 Array = npt.NDArray[np.float64]
 
@@ -56,30 +57,37 @@ def is_walled_off(qx: float, qy: float, qz: float, view: View, work: Work) -> bo
 
 
 @inlined
-def planes_hide(x: float, y: float, z: float, qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
-    """Whether a plane hides a light at (x, y, z) from Q.
+def planes_hide(i: int, qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
+    """Whether a plane hides light ``i`` from Q.
 
     A charted plane is lit on its upper side, by what is above it. Elsewhere a point is lit by what is not on the other
     side of a plane, and what lies in the plane is on neither.
     """
     for k in range(view.sides.shape[0]):
-        side = view.sides[k]
-        up = height(side, x, y, z)
+        over = view.over[k, i]
         if k == work.chart.plane:
-            if not up > 0.0 or work.room[k] < 0.0:
+            if over <= 0 or work.room[k] < 0.0:
                 return True
-        elif height(side, qx, qy, qz) * up < 0.0:
+        elif over * height(view.sides[k], qx, qy, qz) < 0.0:
             return True
     return False
 
 
 @inlined
-def disk_over(p: LightPoint, side: Side) -> tuple[float, float]:
-    """Height of a disk's centre over a plane, and how far its rim rises above and falls below it."""
-    e, f, up = p.e1, p.e2, side.up
+def disk_over(i: int, k: int, view: View) -> tuple[float, float]:
+    """Height of the centre of disk ``i`` over plane ``k``, and how far its rim rises above and falls below it.
+
+    Both are 0 of a disk that lies in the plane.
+    """
+    p, up = view.points[i], view.sides[k].up
+    e, f = p.e1, p.e2
     first = e[0] * up[0] + e[1] * up[1] + e[2] * up[2]
     second = f[0] * up[0] + f[1] * up[1] + f[2] * up[2]
-    return height(side, p.position[0], p.position[1], p.position[2]), p.radius * math.hypot(first, second)
+    rise = math.hypot(first, second)
+    above = 0.0
+    if view.over[k, i] != 0:
+        above = height(view.sides[k], p.position[0], p.position[1], p.position[2])
+    return above, p.radius * rise if rise > LEVEL else 0.0
 
 
 @inlined

@@ -33,7 +33,7 @@ from symrender.jit.racks import Rack
 from symrender.jit.records import Table, copied, joined, one, table
 from symrender.limits import MAX_PLANES
 from symrender.scene.arrays import SceneArrays
-from symrender.scene.frames import floor_of, frames
+from symrender.scene.frames import floor_of, frames, heights
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.records import Floor, Frame, Shading, Sphere
 
@@ -61,7 +61,9 @@ class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
 
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
-    planes of the scene, the floor first. ``conductors`` are those of all hit classes, which a point may reflect by;
+    planes of the scene, the floor first. ``over`` (planes, lights) is on which side of each plane a light is, 1, -1 or
+    0 where it lies in the plane: carried into another frame its height would be rounded to either side of 0.
+    ``conductors`` are those of all hit classes, which a point may reflect by;
     ``senders`` those by which shapes send light on, a row a sphere, then a row a plane; ``emitted`` (spheres, 3) is the
     radiance of spheres that emit. ``cones`` are those across which light is not smooth, of spots and where what is seen
     of ``glows`` breaks: of a sky and of spheres that emit, as they shine on what is diffuse. Each is None in a scene
@@ -74,6 +76,7 @@ class View(NamedTuple):
     shading: Shading
     eye: Array
     sides: Table[Side]
+    over: Ints
     conductors: Table[Conductor] | None = None
     senders: Table[Sender] | None = None
     emitted: Array | None = None
@@ -176,13 +179,15 @@ def scene_view(
     glows: Table[Glow] | None = None,
 ) -> View:  # fmt: skip
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
+    axes = scene_axes(arrays)
     return View(
         spheres=arrays.spheres,
         floor=arrays.floor,
         points=points,
         shading=arrays.shading,
         eye=np.ascontiguousarray(arrays.camera.eye),
-        sides=sides_of(scene_axes(arrays)),
+        sides=sides_of(axes),
+        over=np.sign(heights(points["position"], axes["origin"], axes["up"]).T).astype(np.int64),
         conductors=conductors,
         senders=senders,
         emitted=emitted,
@@ -206,7 +211,7 @@ def scene_frames(arrays: SceneArrays, view: View, axes: Table[Frame] | None = No
         view._replace(
             spheres=_spheres_in(frame, view.spheres),
             floor=floors[k],
-            points=_points_in(frame, view.points),
+            points=_points_in(frame, view.over[k], view.points),
             eye=_turn(frame) @ (view.eye - frame.origin),
             sides=_sides_in(frame, k, sides),
             cones=None if view.cones is None else _cones_in(frame, view.cones),
@@ -234,9 +239,11 @@ def _cones_in(frame: Frame, cones: Table[Cone]) -> Table[Cone]:
     return rows
 
 
-def _points_in(frame: Frame, points: Table[LightPoint]) -> Table[LightPoint]:
+def _points_in(frame: Frame, over: Ints, points: Table[LightPoint]) -> Table[LightPoint]:
     rows = copied(points)
     rows["position"][:] = (points["position"] - frame.origin) @ _turn(frame).T
+    # on the side that every other frame has it on
+    rows["position"][over == 0, 2] = 0.0
     for name in ("e1", "e2", "axis"):
         rows[name][:] = points[name] @ _turn(frame).T
     return rows

@@ -244,44 +244,43 @@ def disk_point(
 @inlined
 def rim_flux(
     middle_x: float, middle_y: float, middle_z: float, first_x: float, first_y: float, first_z: float,
-    second_x: float, second_y: float, second_z: float, begin: float, end: float,
+    second_x: float, second_y: float, second_z: float, begin: float, end: float, span: float,
 ) -> tuple[float, float, float]:
     """Integral of w x dw along the rim q = C + a cos t + b sin t of a disk, w = q/|q|, from ``begin`` to ``end``."""
-    north = 2.0 * (middle_x * second_x + middle_y * second_y + middle_z * second_z)
     east = 2.0 * (middle_x * first_x + middle_y * first_y + middle_z * first_z)
-    turn = math.atan2(north, east)
-    v = end - turn
-    u = begin - turn
-    t1 = v - u
+    north = 2.0 * (middle_x * second_x + middle_y * second_y + middle_z * second_z)
     swing = math.sqrt(max(east * east + north * north, 1e-300))
-    t2 = middle_x * middle_x + middle_y * middle_y + middle_z * middle_z
-    level = t2 + (first_x * first_x + first_y * first_y + first_z * first_z)
+    t1 = middle_x * middle_x + middle_y * middle_y + middle_z * middle_z
+    level = t1 + (first_x * first_x + first_y * first_y + first_z * first_z)
     root = math.sqrt(max((level - swing) * (level + swing), 1e-300))
     k = swing / (level + root)
-    t3 = 2.0 * k
-    t4 = math.cos(v)
-    right = math.atan2(k * math.sin(v), 1.0 + k * t4)
-    t5 = math.cos(u)
-    left = math.atan2(k * math.sin(u), 1.0 + k * t5)
+    t2 = 2.0 * k
+    turn = math.atan2(north, east)
+    v = end - turn
+    t3 = math.cos(v)
+    right = math.atan2(k * math.sin(v), 1.0 + k * t3)
+    u = begin - turn
+    t4 = math.cos(u)
+    left = math.atan2(k * math.sin(u), 1.0 + k * t4)
     angle = (right - left) / k
-    steady = (t1 - t3 * angle) / root
+    steady = (span - t2 * angle) / root
     across_x = middle_y * second_z - middle_z * second_y
     c = math.cos(turn)
     along_x = middle_y * first_z - middle_z * first_y
     s = math.sin(turn)
-    even = ((1.0 + k * k) * angle - k * t1) / root
-    t6 = (first_y * second_z - first_z * second_y) * steady + (across_x * c - along_x * s) * even
-    t7 = (math.log1p(k * (k + 2.0 * t5)) - math.log1p(k * (k + 2.0 * t4))) * (1.0 - k) * (1.0 + k)
-    odd = t7 / (t3 * root)
+    even = ((1.0 + k * k) * angle - k * span) / root
+    t5 = (first_y * second_z - first_z * second_y) * steady + (across_x * c - along_x * s) * even
+    t6 = (math.log1p(k * (k + 2.0 * t4)) - math.log1p(k * (k + 2.0 * t3))) * (1.0 - k) * (1.0 + k)
+    odd = t6 / (t2 * root)
     across_y = middle_z * second_x - middle_x * second_z
     along_y = middle_z * first_x - middle_x * first_z
-    t8 = (first_z * second_x - first_x * second_z) * steady + (across_y * c - along_y * s) * even
+    t7 = (first_z * second_x - first_x * second_z) * steady + (across_y * c - along_y * s) * even
     across_z = middle_x * second_y - middle_y * second_x
     along_z = middle_x * first_y - middle_y * first_x
-    t9 = (first_x * second_y - first_y * second_x) * steady + (across_z * c - along_z * s) * even
+    t8 = (first_x * second_y - first_y * second_x) * steady + (across_z * c - along_z * s) * even
     return (
-        t6 - (across_x * s + along_x * c) * odd, t8 - (across_y * s + along_y * c) * odd,
-        t9 - (across_z * s + along_z * c) * odd,
+        t5 - (across_x * s + along_x * c) * odd, t7 - (across_y * s + along_y * c) * odd,
+        t8 - (across_z * s + along_z * c) * odd,
     )
 
 
@@ -536,10 +535,10 @@ def sphere_cap(
 @inlined
 def arc_flux(
     axis_x: float, axis_y: float, axis_z: float, first_x: float, first_y: float, first_z: float, second_x: float,
-    second_y: float, second_z: float, cosine: float, sine: float, begin: float, end: float,
+    second_y: float, second_z: float, cosine: float, sine: float, begin: float, end: float, span: float,
 ) -> tuple[float, float, float]:
     """Integral of w x dw along an arc, counter-clockwise from ``begin`` to ``end``, of the circle about a unit axis."""
-    t1 = sine * sine * (end - begin)
+    t1 = sine * sine * span
     across = sine * cosine
     t2 = across * (math.sin(end) - math.sin(begin))
     t3 = across * (math.cos(end) - math.cos(begin))

@@ -22,7 +22,7 @@ from symrender.chambers.penumbra import (
     gap2,
 )
 from symrender.chambers.records import Curve, LightPoint
-from symrender.chambers.rooms import height
+from symrender.chambers.rooms import disk_over, height
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
@@ -321,7 +321,7 @@ def disk_curves(
         up = side.up
         above = height(side, p.position[0], p.position[1], p.position[2])
         u1, u2 = up[0] * e1x + up[1] * e1y + up[2] * e1z, up[0] * e2x + up[1] * e2y + up[2] * e2z
-        if not abs(above) < rho * math.sqrt(u1 * u1 + u2 * u2) or n >= curves.shape[0]:
+        if not abs(above) < disk_over(i, k, view)[1] or n >= curves.shape[0]:
             continue
         here = work.room[k] if k == work.chart.plane else height(side, qx, qy, qz)
         facing = 1.0 if here >= 0.0 else -1.0

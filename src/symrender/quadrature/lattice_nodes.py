@@ -12,7 +12,6 @@ from typing import Final
 
 from symrender.chambers.labels import texture_side
 from symrender.chambers.listed import casts, shadow_in_view
-from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable
 from symrender.leaves.values import marble
@@ -117,7 +116,7 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
     chart, b = work.chart, work.nodes
     x, y, z = view.points[l].position[0], view.points[l].position[1], view.points[l].position[2]
     for side in range(view.sides.shape[0]):
-        if work.room[side] * height(view.sides[side], x, y, z) < 0.0:
+        if view.over[side, l] * work.room[side] < 0.0:
             return False
     sphere = view.spheres[j]
     lx, ly, lz = x - sphere.center[0], y - sphere.center[1], z - sphere.center[2]

@@ -19,7 +19,7 @@ from symrender.jit.records import Table
 from symrender.quadrature.fall_off import TOUCHING, glow_bound
 from symrender.quadrature.light_points import light_rows
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays, lobes_of
-from symrender.scene.frames import frames
+from symrender.scene.frames import frames, heights
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.radiometric.records import Light as Beam
 
@@ -73,10 +73,11 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     """(L,) squared distance of every light that falls off from the nearest surface it lights, 1 of the others."""
     squares = np.ones(len(points))
     planes = frames(arrays.planes)
+    over = heights(points["position"], planes["origin"], planes["up"])
     for i in np.flatnonzero(points["fall"] == INVERSE_SQUARE).tolist():
         place = points[i].position
         apart = [math.dist(place, sphere.center) - sphere.radius for sphere in arrays.spheres]
-        apart += [float((place - frame.origin) @ frame.up) for frame in planes]
+        apart += over[i].tolist()
         apart += [float(place[2])] if arrays.floor.present else []
         # what it is inside of or behind is not lit by it
         squares[i] = max(min((a for a in apart if a > 0.0), default=1.0) ** 2, TOUCHING)

@@ -32,11 +32,11 @@ def arriving(light: Light, place: Vector) -> tuple[Vector, Vector]:
 
 
 @jitable
-def is_hidden(world: World, own: int, front: bool, place: Vector, light: Light, toward: Vector) -> bool:
-    """Whether a piece hides a point, a spot or a directional light from a place of piece ``own`` that faces it."""
-    if light.kind == DIRECTIONAL:
-        return hidden_direction(world, own, front, place, toward)
-    return hidden_point(world, own, front, place, vector(light.place))
+def is_hidden(world: World, own: int, front: bool, place: Vector, i: int) -> bool:
+    """Whether a piece hides light ``i``, a point, a spot or a directional one, from a place of a piece facing it."""
+    if world.lights[i].kind == DIRECTIONAL:
+        return hidden_direction(world, own, front, place, i)
+    return hidden_point(world, own, front, place, i)
 
 
 @jitable
@@ -67,7 +67,7 @@ def direct_irradiance(world: World, own: int, front: bool, place: Vector, normal
         else:
             toward, e = arriving(light, place)
             share = dot(normal, toward)
-            if share <= 0.0 or is_hidden(world, own, front, place, light, toward):
+            if share <= 0.0 or is_hidden(world, own, front, place, i):
                 continue
         total = (total[0] + share * e[0], total[1] + share * e[1], total[2] + share * e[2])
     return total
@@ -115,7 +115,7 @@ def direct_light(
                     continue
                 by = counted(material, normal, turned, toward)
                 term = (by * term[0], by * term[1], by * term[2])
-            if max(white[0], white[1], white[2]) == 0.0 or is_hidden(world, own, front, place, light, toward):
+            if max(white[0], white[1], white[2]) == 0.0 or is_hidden(world, own, front, place, i):
                 continue
         total = (total[0] + term[0] * e[0], total[1] + term[1] * e[1], total[2] + term[2] * e[2])
     return total

@@ -195,11 +195,14 @@ def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[i
 @jitable
 def add_arc(arc: Arc, begin: float, end: float, sign: float, flux: Vector) -> Vector:
     """``flux`` and that of a stretch of an arc, of the sign given."""
+    span = end - begin
+    if end == TURN:
+        end = 0.0
     if arc.rim != 0.0:
-        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end)
+        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end, span)
     else:
         x, y, z = leaves.arc_flux(
-            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end
+            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end, span
         )
     return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
 

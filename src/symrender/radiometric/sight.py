@@ -9,7 +9,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.bounds import held_by, inside_of, next_met
 from symrender.radiometric.pieces import Piece, corner
-from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.vectors import Vector, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import DISK, SPHERE
@@ -101,8 +101,9 @@ def turned_away(world: World, own: int, front: bool, j: int) -> bool:
 
 
 @jitable
-def hidden_point(world: World, own: int, front: bool, place: Vector, light: Vector) -> bool:
-    """Whether a piece lies between a place of piece ``own`` and a light on the lit side of its normal."""
+def hidden_point(world: World, own: int, front: bool, place: Vector, i: int) -> bool:
+    """Whether a piece lies between a place of piece ``own`` and light ``i`` on the lit side of its normal."""
+    light = vector(world.lights[i].place)
     segment = minus(light, place)
     k = next_met(world.bounds, 0, place, segment, 1.0)
     while k < world.bounds.shape[0]:
@@ -122,7 +123,7 @@ def hidden_point(world: World, own: int, front: bool, place: Vector, light: Vect
                 between = here >= 0.0 and ahead >= 0.0 and 0.0 < along < whole and level >= 0.0
                 if between or here * ahead < 0.0:
                     return True
-            elif j != own and not turned_away(world, own, front, j):
+            elif j != own and world.level[i, j] == 0.0 and not turned_away(world, own, front, j):
                 here, ahead = height_over(piece, place), height_over(piece, light)
                 if here * ahead < 0.0 and passes(piece, here, ahead - here, place, segment):
                     return True
@@ -131,8 +132,10 @@ def hidden_point(world: World, own: int, front: bool, place: Vector, light: Vect
 
 
 @jitable
-def hidden_direction(world: World, own: int, front: bool, place: Vector, toward: Vector) -> bool:
-    """Whether a piece is met from a place of piece ``own`` in a unit direction on the lit side of its normal."""
+def hidden_direction(world: World, own: int, front: bool, place: Vector, i: int) -> bool:
+    """Whether a piece is met from a place of piece ``own`` towards directional light ``i`` on the lit side of its
+    normal."""
+    toward = minus_of(vector(world.lights[i].place))
     k = next_met(world.bounds, 0, place, toward, math.inf)
     while k < world.bounds.shape[0]:
         for m in range(inside_of(world.bounds, k)):
@@ -148,7 +151,7 @@ def hidden_direction(world: World, own: int, front: bool, place: Vector, toward:
                     return True
                 if dot(offset, toward) > 0.0 and leaves.sphere_level(*offset, *toward, piece.radius) >= 0.0:
                     return True
-            elif j != own and not turned_away(world, own, front, j):
+            elif j != own and world.level[i, j] == 0.0 and not turned_away(world, own, front, j):
                 here, slope = height_over(piece, place), dot(vector(piece.up), toward)
                 if here * slope < 0.0 and passes(piece, here, slope, place, toward):
                     return True

@@ -178,6 +178,12 @@ def cone_of(piece: Piece, place: Vector) -> tuple[Vector, float, float]:
     return (way[0] / size, way[1] / size, way[2] / size), math.sqrt((far - reach) / far), math.sqrt(reach / far)
 
 
+@inlined
+def one_body(world: World, j: int, k: int) -> bool:
+    """Whether two pieces are faces of one box or one closed convex mesh, of which none sees or hides another."""
+    return world.pieces[j].body != 0.0 and world.pieces[j].body == world.pieces[k].body
+
+
 @jitable
 def gather_polygon(
     world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, turned: Vector, room: Room
@@ -187,7 +193,7 @@ def gather_polygon(
     No sphere meets it. One that crosses its plane hides the part of its circle that lies before the plane.
     """
     light = world.pieces[lamp]
-    if height_over(light, place) <= 0.0 or edge_on(light, place) or light.owner == world.pieces[own].owner:
+    if height_over(light, place) <= 0.0 or edge_on(light, place) or own == lamp or one_body(world, own, lamp):
         return _HIDDEN
     far, direction = toward_plane(light, place)
     above, below = sides(light, place, minus_of(normal), 0.0)
@@ -219,7 +225,7 @@ def gather_polygon(
                     return _HIDDEN
                 if j != own and not encloses and dot(offset, direction) - far < piece.radius:
                     listed = mark(room, listed, j, 1)
-            elif j != own and piece.owner != light.owner:
+            elif j != own and j != lamp and not one_body(world, j, lamp):
                 listed = mark(room, listed, j, shows_in(world, own, front, place, normal, j, clear, far, direction))
         end_leaf(room, node, listed - before)
         node = next_over(

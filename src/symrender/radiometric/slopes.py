@@ -83,7 +83,8 @@ def world_moves(arrays: RadiometricArrays, moves: RadiometricArrays) -> World:
     laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
     _pieces_kernel()(arrays.shapes, arrays.facets, arrays.frames, laid, moves.shapes, moves.facets, moves.frames, moved)
     # where bounds lie has no part in a value: they stand still
-    return World(moves.materials, moves.terms, moved, moves.lights, table(Bound, len(laid_bounds(laid))))
+    level = np.zeros((len(moves.lights), len(moved)))
+    return World(moves.materials, moves.terms, moved, moves.lights, table(Bound, len(laid_bounds(laid))), level)
 
 
 @lru_cache(maxsize=1)

@@ -13,26 +13,47 @@ from symrender.leaves import radiometric as leaves
 from symrender.radiometric.bounds import Bound, laid_bounds
 from symrender.radiometric.pieces import Piece, laid_pieces
 from symrender.radiometric.vectors import Array
-from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.scene.frames import heights
+from symrender.scene.radiometric.arrays import DIRECTIONAL, POINT, SPHERE, SPOT, RadiometricArrays
 from symrender.scene.radiometric.records import Light, Material, Term
 from symrender.scene.records import Camera
 
 
 class World(NamedTuple):
-    """The records of a scene, its shapes as what they are made of, and the hierarchy of bounds over these."""
+    """The records of a scene, its shapes as what they are made of, and the hierarchy of bounds over these.
+
+    ``level`` (lights, pieces) is 1 where a point, a spot or the rays of a directional light lie in the plane of a flat
+    piece, which is then seen edge-on from the light and hides nothing of it.
+    """
 
     materials: Table[Material]
     terms: Table[Term]
     pieces: Table[Piece]
     lights: Table[Light]
     bounds: Table[Bound]
+    level: Array
 
 
 def make_world(arrays: RadiometricArrays, like: World | None = None) -> World:
-    """World of a scene; its bounds are those of the same scene before it was shaken, if that is given as ``like``."""
+    """World of a scene.
+
+    Bounds and what is level are those of the same scene before it was shaken, if that is given as ``like``.
+    """
     pieces = laid_pieces(arrays)
-    bounds = like.bounds if like else laid_bounds(pieces)
-    return World(arrays.materials, arrays.terms, pieces, arrays.lights, bounds)
+    bounds, level = (like.bounds, like.level) if like else (laid_bounds(pieces), _level(arrays, pieces))
+    return World(arrays.materials, arrays.terms, pieces, arrays.lights, bounds, level)
+
+
+def _level(arrays: RadiometricArrays, pieces: Table[Piece]) -> Array:
+    """``level`` of a world."""
+    places, ups = np.asarray(pieces["place"]), np.asarray(pieces["up"])
+    lights = np.asarray(arrays.lights["place"])
+    kinds = np.asarray(arrays.lights["kind"])[:, None]
+    level = np.where(
+        kinds == DIRECTIONAL, heights(lights, np.zeros_like(places), ups) == 0.0,
+        np.isin(kinds, (POINT, SPOT)) & (heights(lights, places, ups) == 0.0),
+    )  # fmt: skip
+    return np.asarray(level & (np.asarray(pieces["kind"]) != SPHERE), dtype=np.float64)
 
 
 def make_worlds(scenes: Sequence[RadiometricArrays]) -> list[World]:

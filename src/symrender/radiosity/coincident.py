@@ -11,7 +11,7 @@ from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, owners
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import TOUCH, corners_of
-from symrender.scene.radiometric.arrays import BOX, DISK, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import DISK, SPHERE, RadiometricArrays
 
 _PARALLEL: Final = 0.5
 """Cosine between normals from which faces may lie in one plane: of needles normals are rounded."""
@@ -22,7 +22,8 @@ _LEAST: Final = 1e-9
 def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | None:
     """Two shapes, or one twice, of which faces in one plane overlap and are seen, None where there are none.
 
-    A face of a box against another's is not seen, and one that stands on a face is not if nothing is behind that.
+    A face of a box or of a closed mesh against another's is not seen, and one that stands on a face is not if nothing
+    is behind that.
     """
     disks = np.array([shape.kind == DISK for shape in arrays.shapes])
     for i, j in _pairs(world, disks):
@@ -30,8 +31,8 @@ def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | Non
         if not _in_one_plane(a, b) or not _overlap(a, b):
             continue
         if float(a.up @ b.up) < 0.0:
-            boxes = [arrays.shapes[int(each.owner)].kind == BOX for each in (a, b)]
-            if all(boxes) or (any(boxes) and not _is_seen_behind(world, b if boxes[0] else a)):
+            bodies = [each.solid != 0.0 or each.reach > 0.0 for each in (a, b)]
+            if all(bodies) or (any(bodies) and not _is_seen_behind(world, b if bodies[0] else a)):
                 continue
         return int(a.owner), int(b.owner)
     return None

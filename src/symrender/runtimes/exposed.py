@@ -36,7 +36,8 @@ from symrender.runtimes.pixels import (
     wall_tables,
 )
 from symrender.scene.arrays import CHECKER, SOLID
-from symrender.scene.radiometric.arrays import AREA, POINT, SKY, SPHERE, SPOT, RadiometricArrays
+from symrender.scene.frames import heights
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT, SKY, SPHERE, SPOT, RadiometricArrays
 from symrender.scene.radiometric.bumped import refuse_means_of_bumps
 from symrender.scene.radiometric.cut import cut_reason
 from symrender.settings import Settings
@@ -126,7 +127,15 @@ def moved_world(world: World, motion: Motion, t: float) -> World:
     for light, way in zip(lights, motion.lights, strict=True):
         if light.kind in (POINT, SPOT):
             light.place[:] += t * way
-    return World(world.materials, world.terms, pieces, lights, loose_bounds(len(pieces)))
+    return world._replace(
+        pieces=pieces, lights=lights, bounds=loose_bounds(len(pieces)), level=lasting_level(world, motion)
+    )  # fmt: skip
+
+
+def lasting_level(world: World, motion: Motion) -> Array:
+    """``level`` of what stays so while the shutter is open."""
+    still = heights(motion.lights, motion.pieces, np.asarray(world.pieces["up"])) == 0.0
+    return np.asarray(world.level * (still | (np.asarray(world.lights["kind"])[:, None] == DIRECTIONAL)))
 
 
 def lens_of(arrays: RadiometricArrays, view: Seen) -> Lens:
@@ -143,7 +152,10 @@ class _Scratch:
         still = view.world
         # its pieces move, and bounds of where they were would leave out what comes
         bounds = loose_bounds(len(still.pieces)) if arrays.exposure.moves else still.bounds
-        world = World(still.materials, still.terms, copied(still.pieces), copied(still.lights), bounds)
+        motion = motion_of(arrays, still)
+        world = still._replace(
+            pieces=copied(still.pieces), lights=copied(still.lights), bounds=bounds, level=lasting_level(still, motion)
+        )
         mean = mean_world(world)
         _, families = wall_tables(view)
         inner = DISK if settings.filter == "centre" else DOMAINS[settings.filter]
@@ -154,7 +166,7 @@ class _Scratch:
             bright * steepest(arrays), delicate(arrays), inner,
         )  # fmt: skip
         self.exposed = Exposed(
-            still, self.eye, motion_of(arrays, still), lens_of(arrays, view), settings.width, settings.height,
+            still, self.eye, motion, lens_of(arrays, view), settings.width, settings.height,
             DOMAINS[settings.filter], settings.reach, arrays.exposure.moves,
         )  # fmt: skip
         self.room, self.candidates = make_room(still), np.zeros(count, np.int64)

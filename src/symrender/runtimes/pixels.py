@@ -149,7 +149,7 @@ def mean_world(world: World) -> World:
     for piece in pieces:
         if piece.kind != SPHERE:
             piece.material += count
-    return World(materials, world.terms, pieces, world.lights, world.bounds)
+    return world._replace(materials=materials, pieces=pieces)
 
 
 def delicate(arrays: RadiometricArrays) -> bool:

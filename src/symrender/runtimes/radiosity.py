@@ -12,7 +12,7 @@ from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import World, make_world
+from symrender.radiometric.world import World, make_worlds
 from symrender.radiosity.gathered import Places
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
@@ -40,7 +40,7 @@ class Gatherer:
         self, arrays: RadiometricArrays, tol: float, budget: int = 1_000_000, threads: int = 1, lamps: bool = False
     ) -> None:  # fmt: skip
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
-        self._worlds = [make_world(each) for each in shaken(arrays)]
+        self._worlds = make_worlds(shaken(arrays))
         world = self._worlds[0]
         if lamps:
             self._cells, _ = lamp_cells(world)

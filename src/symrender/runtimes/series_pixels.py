@@ -79,7 +79,8 @@ def series_world(arrays: SceneArrays, disk_order: int, exponents: Array) -> Worl
     lamps = table(Lamp, len(points))
     for lamp, point in zip(lamps, points, strict=True):
         lamp.kind, lamp.place[:], lamp.emitted[:] = POINT, point.position, 1.0
-    return World(materials, table(Term, 0), pieces, lamps, laid_bounds(pieces))
+    level = np.zeros((len(lamps), len(pieces)))
+    return World(materials, table(Term, 0), pieces, lamps, laid_bounds(pieces), level)
 
 
 def sections_of(arrays: SceneArrays) -> Table[Section]:

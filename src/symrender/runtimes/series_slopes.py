@@ -76,7 +76,8 @@ def world_moves(arrays: SceneArrays, moved: SceneMoves, disk_order: int) -> Worl
     lamps = table(Lamp, points.shape[1])
     np.asarray(lamps)["place"] = np.asarray(points)["position"][0]
     # where bounds lie has no part in a value: they stand still
-    return World(materials, table(Term, 0), pieces, lamps, table(Bound, 0))
+    level = np.zeros((len(lamps), len(pieces)))
+    return World(materials, table(Term, 0), pieces, lamps, table(Bound, 0), level)
 
 
 def section_moves(arrays: SceneArrays, moved: SceneMoves) -> Table[Section]:

@@ -75,10 +75,11 @@ def disk_point(middle: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real
     return middle + first * cosine + second * sine
 
 
-def rim_flux(middle: Vec3, first: Vec3, second: Vec3, begin: Real, end: Real) -> Vec3:
+def rim_flux(middle: Vec3, first: Vec3, second: Vec3, begin: Real, end: Real, span: Real) -> Vec3:
     """Integral of w x dw along the rim q = C + a cos t + b sin t of a disk, w = q/|q|, from ``begin`` to ``end``.
 
     q x q' = a x b + C x b cos t - C x a sin t over |q|^2 = D + r cos u, u = t - t0, whose quotients are elementary.
+    ``span`` is the angle from begin to end, as in ``arc_flux``.
     With k = r/(D + sqrt(D^2 - r^2)) they are Poisson's kernel and its conjugate, and nothing cancels as r goes to 0.
     """
     level = norm2(middle) + norm2(first)
@@ -90,8 +91,8 @@ def rim_flux(middle: Vec3, first: Vec3, second: Vec3, begin: Real, end: Real) ->
     left = azimuth(k * sin(u), 1 + k * cos(u))
     right = azimuth(k * sin(v), 1 + k * cos(v))
     angle = (right - left) / k
-    steady = (v - u - 2 * k * angle) / root
-    even = ((1 + k * k) * angle - k * (v - u)) / root
+    steady = (span - 2 * k * angle) / root
+    even = ((1 + k * k) * angle - k * span) / root
     odd = (log1p(k * (k + 2 * cos(u))) - log1p(k * (k + 2 * cos(v)))) * (1 - k) * (1 + k) / (2 * k * root)
     across, along = cross(middle, second), cross(middle, first)
     c, s = cos(turn), sin(turn)

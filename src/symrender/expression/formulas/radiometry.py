@@ -133,14 +133,18 @@ def sphere_cap(offset: Vec3, radius: Real) -> tuple[Vec3, Real, Real]:
     return offset / far, sqrt((far - radius) * (far + radius)) / far, sine
 
 
-def arc_flux(axis: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real, begin: Real, end: Real) -> Vec3:
+def arc_flux(
+    axis: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real, begin: Real, end: Real, span: Real
+) -> Vec3:  # fmt: skip
     """Integral of w x dw along an arc, counter-clockwise from ``begin`` to ``end``, of the circle about a unit axis.
 
-    w = cos a c + sin a (cos t e1 + sin t e2), with e1, e2, c right-handed.
+    w = cos a c + sin a (cos t e1 + sin t e2), with e1, e2, c right-handed. ``span`` is the angle from begin to end.
+    A whole circle begins and ends at one angle: the sine of the double nearest to 2 pi is not 0, and what that leaves
+    of a small circle, sin a of it, is larger than the flux, sin^2 a, allows.
     """
     across = sine * cosine
     return (
-        axis * (sine * sine * (end - begin))
+        axis * (sine * sine * span)
         - first * (across * (sin(end) - sin(begin)))
         + second * (across * (cos(end) - cos(begin)))
     )

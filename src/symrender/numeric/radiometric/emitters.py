@@ -8,9 +8,10 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.numeric.radiometric.flats import box_normal, corner_normal, edges, straight, triple
 from symrender.numeric.radiometric.hits import Hit
+from symrender.numeric.radiometric.meshes import Face, face_normal, sides
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
-from symrender.scene.radiometric.arrays import AREA, BOX, DISK, RECTANGLE, SPHERE, TRIANGLE
+from symrender.scene.radiometric.arrays import AREA, BOX, DISK, MESH, RECTANGLE, SPHERE, TRIANGLE
 from symrender.scene.radiometric.records import Shape
 
 _UNIFORM: Final = 1.0 / (2.0 * math.pi)
@@ -39,6 +40,14 @@ def area_of(shape: Shape) -> float:
     n = cross(u, v)
     whole = math.sqrt(dot(n, n))
     return 0.5 * whole if shape.kind == TRIANGLE else whole
+
+
+@jitable
+def face_area(face: Face) -> float:
+    """Area of a face of a mesh."""
+    _, u, v = sides(face)
+    n = cross(u, v)
+    return 0.5 * math.sqrt(dot(n, n))
 
 
 @inlined
@@ -85,9 +94,25 @@ def flat_point(world: World, emitter: int, a: float, b: float) -> Vector:
 
 
 @jitable
-def emitter_sample(world: World, emitter: int, place: Vector, a: float, b: float) -> tuple[Vector, bool]:
-    """(unit direction towards a shape that emits, whether there is one): in the cone of a sphere, by area else."""
+def face_point(face: Face, a: float, b: float) -> Vector:
+    """A place of a face of a mesh, uniform by area."""
+    corner, u, v = sides(face)
+    r = math.sqrt(a)
+    return along(along(corner, r * (1.0 - b), u), r * b, v)
+
+
+@jitable
+def emitter_sample(world: World, emitter: int, place: Vector, a: float, b: float) -> tuple[Vector, bool, int]:
+    """(unit direction towards a shape that emits, whether there is one, the face of a mesh that it leads to, else -1).
+
+    In the cone of a sphere, on any face of a mesh alike, by area else.
+    """
     shape = world.shapes[emitter]
+    if shape.kind == MESH:
+        chosen = min(int(a * shape.faces), int(shape.faces) - 1)
+        face = int(shape.start) + chosen
+        way = minus(face_point(world.faces[face], a * shape.faces - chosen, b), place)
+        return unit(way), dot(way, face_normal(world.faces[face])) < 0.0, face
     if shape.kind != SPHERE:
         at = flat_point(world, emitter, a, b)
         way = minus(at, place)
@@ -96,14 +121,14 @@ def emitter_sample(world: World, emitter: int, place: Vector, a: float, b: float
             n = box_normal(shape, at)
         else:
             n = triple(world.frames[emitter].up) if shape.kind == DISK else corner_normal(shape)
-        return unit(way), dot(way, n) < 0.0
+        return unit(way), dot(way, n) < 0.0, -1
     axis, height = cone_of(world, emitter, place)
     up = 1.0 - a * height
     r = math.sqrt(max(0.0, a * height * (2.0 - a * height)))
     first = unit(cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.7 else (1.0, 0.0, 0.0)))
     x, y = r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b)
     d = along(along((up * axis[0], up * axis[1], up * axis[2]), x, first), y, cross(axis, first))
-    return d, height > 0.0
+    return d, height > 0.0, -1
 
 
 @jitable
@@ -113,7 +138,8 @@ def chance_of(world: World, hit: Hit, place: Vector, d: Vector) -> float:
     if shape.kind == SPHERE:
         return _UNIFORM / cone_of(world, hit.own, place)[1]
     way = minus(hit.place, place)
-    return dot(way, way) / max(abs(dot(d, hit.outward)) * area_of(shape), 1e-300)
+    area = shape.faces * face_area(world.faces[hit.face]) if shape.kind == MESH else area_of(shape)
+    return dot(way, way) / max(abs(dot(d, hit.outward)) * area, 1e-300)
 
 
 @jitable

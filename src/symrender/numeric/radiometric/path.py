@@ -15,7 +15,7 @@ from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, SKY, SPOT
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, MESH, SKY, SPOT
 from symrender.scene.radiometric.records import Light, Material
 
 ROULETTE: Final = 3
@@ -163,10 +163,11 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
     material = world.materials[int(world.shapes[at.hit.own].material)]
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
-        if light.kind != AREA or int(light.emitter) == at.hit.own:
-            continue
         emitter = int(light.emitter)
-        d, possible = emitter_sample(world, emitter, at.hit.place, a, b)
+        # of all shapes only a mesh may see some of itself
+        if light.kind != AREA or (emitter == at.hit.own and world.shapes[emitter].kind != MESH):
+            continue
+        d, possible, face = emitter_sample(world, emitter, at.hit.place, a, b)
         if not possible:
             continue
         wi = local(at, d)
@@ -174,7 +175,8 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
-        if hit.own == emitter and not hit.behind:
+        # a way to a face behind another one of a mesh is none: there are ways to the nearer one already
+        if hit.own == emitter and not hit.behind and (face < 0 or hit.face == face):
             chance = chance_of(world, hit, at.hit.place, d) + density(material, at.wo, wi)
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
     return total

@@ -105,10 +105,9 @@ class RadiometricScene(Root):
             shape, where = shapes.get(light.shape), ("lights", index, "shape")
             if shape is None:
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
-            if isinstance(shape, Plane | Mesh):
+            if isinstance(shape, Plane):
                 raise wrong(
-                    f"must name a sphere, rectangle, triangle, disk or box, got the {shape.type} '{light.shape}'",
-                    *where,
+                    f"must name a sphere, rectangle, triangle, disk, box or mesh, got the plane '{light.shape}'", *where
                 )
             if light.shape in emitters:
                 raise wrong(f"'{light.shape}' is the shape of lights[{emitters[light.shape]}] already", *where)
