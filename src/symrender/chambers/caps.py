@@ -33,9 +33,13 @@ class Arc(Record):
 
 
 class Crossing(Record):
-    """Where an arc enters (``step`` 1) or leaves (-1) a cap of cone ``cone``."""
+    """Where an arc enters (``step`` 1) or leaves (-1) a cap of cone ``cone``.
+
+    ``rest`` is what ``angle`` is rounded by: the stretch between two crossings may be much shorter than its angles.
+    """
 
     angle: float
+    rest: float
     step: float
     cone: float
 

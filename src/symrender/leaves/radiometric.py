@@ -535,16 +535,17 @@ def sphere_cap(
 @inlined
 def arc_flux(
     axis_x: float, axis_y: float, axis_z: float, first_x: float, first_y: float, first_z: float, second_x: float,
-    second_y: float, second_z: float, cosine: float, sine: float, begin: float, end: float, span: float,
+    second_y: float, second_z: float, cosine: float, sine: float, middle: float, span: float, chord: float,
 ) -> tuple[float, float, float]:
-    """Integral of w x dw along an arc, counter-clockwise from ``begin`` to ``end``, of the circle about a unit axis."""
+    """Integral of w x dw along an arc of the circle about a unit axis, counter-clockwise."""
     t1 = sine * sine * span
     across = sine * cosine
-    t2 = across * (math.sin(end) - math.sin(begin))
-    t3 = across * (math.cos(end) - math.cos(begin))
+    t2 = across * chord
+    t3 = t2 * math.cos(middle)
+    t4 = t2 * math.sin(middle)
     return (
-        axis_x * t1 - first_x * t2 + second_x * t3, axis_y * t1 - first_y * t2 + second_y * t3,
-        axis_z * t1 - first_z * t2 + second_z * t3,
+        axis_x * t1 - first_x * t3 - second_x * t4, axis_y * t1 - first_y * t3 - second_y * t4,
+        axis_z * t1 - first_z * t3 - second_z * t4,
     )
 
 

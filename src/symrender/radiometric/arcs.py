@@ -22,6 +22,8 @@ from symrender.limits import MAX_TERMS
 from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
+TURN_REST: Final = 2.4492935982947064e-16
+"""2 pi less the double nearest to it."""
 _SAME: Final = 1e-12
 TOUCHING: Final = 1e-13
 """Circles whose discriminant is less touch but for roundings: how far they cross has no slope."""
@@ -233,13 +235,23 @@ def stretch(c: Arc, o: Arc, first: bool) -> tuple[float, float]:
 
 
 @jitable
-def put_crossing(room: Room, count: int, angle: float, step: float, cone: float) -> int:
+def put_crossing(room: Room, count: int, angle: float, rest: float, step: float, cone: float) -> int:
     """Add a crossing to those of an arc, sorted by angle; returns how many there are."""
     i = count
     while i > 0 and room.crossings[i - 1].angle > angle:
         room.crossings[i].angle = room.crossings[i - 1].angle
+        room.crossings[i].rest = room.crossings[i - 1].rest
         room.crossings[i].step = room.crossings[i - 1].step
         room.crossings[i].cone = room.crossings[i - 1].cone
         i -= 1
-    room.crossings[i].angle, room.crossings[i].step, room.crossings[i].cone = angle, step, cone
+    room.crossings[i].angle, room.crossings[i].rest = angle, rest
+    room.crossings[i].step, room.crossings[i].cone = step, cone
     return count + 1
+
+
+@inlined
+def rest_of_sum(a: float, b: float) -> float:
+    """a + b less the double that it is rounded to (Knuth)."""
+    whole = a + b
+    part = whole - a
+    return (a - (whole - part)) + (b - part)

@@ -259,7 +259,7 @@ def cross_conic(room: Room, i: int, k: int, found: int) -> tuple[int, bool]:
         crossings += 1
         if t < earliest:
             earliest, begins = t, step < 0.0
-        found = put_crossing(room, found, t, step, other.cone)
+        found = put_crossing(room, found, t, 0.0, step, other.cone)
     if crossings == 0:
         begins = lies_in(arc, other)
     return found, begins

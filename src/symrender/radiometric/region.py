@@ -19,7 +19,7 @@ from typing import Final
 from symrender.chambers.caps import Arc
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.arcs import TURN, Room, put_crossing, stretch
+from symrender.radiometric.arcs import TURN, TURN_REST, Room, put_crossing, rest_of_sum, stretch
 from symrender.radiometric.bounds import WHOLE, held_by, inside_of, next_beside, take_whole
 from symrender.radiometric.cones import put_polygon
 from symrender.radiometric.conics import cross_conic, is_conic
@@ -58,16 +58,18 @@ def cross_cone(room: Room, i: int, cone: int, found: int) -> int:
         if span == TURN:
             room.within[cone] += 1.0
             continue
+        rest = 0.0
         if begin < 0.0:
+            rest = rest_of_sum(begin, TURN) + TURN_REST
             begin = begin + TURN
-        leave = begin + span
+        leave, left = begin + span, rest + rest_of_sum(begin, span)
         if leave >= TURN:
             room.within[cone] += 1.0
-            leave = leave - TURN
+            leave, left = leave - TURN, left - TURN_REST
         if begin < arc.end:
-            found = put_crossing(room, found, begin, 1.0, other.cone)
+            found = put_crossing(room, found, begin, rest, 1.0, other.cone)
         if leave < arc.end:
-            found = put_crossing(room, found, leave, -1.0, other.cone)
+            found = put_crossing(room, found, leave, left, -1.0, other.cone)
     return found
 
 
@@ -193,16 +195,27 @@ def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[i
 
 
 @jitable
-def add_arc(arc: Arc, begin: float, end: float, sign: float, flux: Vector) -> Vector:
-    """``flux`` and that of a stretch of an arc, of the sign given."""
-    span = end - begin
-    if end == TURN:
-        end = 0.0
+def add_arc(arc: Arc, begin: float, end: float, rest: float, sign: float, flux: Vector) -> Vector:
+    """``flux`` and that of a stretch of an arc, of the sign given; ``rest`` is what end - begin is rounded by.
+
+    A whole circle has no chord: the sine of the double nearest to pi is not 0, and larger than a small cap allows.
+    """
+    span = (end - begin) + rest
+    chord = 0.0 if end - begin == TURN else 2.0 * math.sin(0.5 * span)
     if arc.rim != 0.0:
-        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end, span)
+        x, y, z = leaves.rim_flux(
+            *vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, 0.0 if end == TURN else end, span
+        )
     else:
         x, y, z = leaves.arc_flux(
-            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end, span
+            *vector(arc.axis),
+            *vector(arc.first),
+            *vector(arc.second),
+            arc.cosine,
+            arc.sine,
+            0.5 * (begin + end),
+            span,
+            chord,
         )
     return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
 
@@ -226,13 +239,13 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
     own = int(arc.cone)
     wrong = wrong_cones(room, touched, own)
     sign = 1.0 if own == 0 else -1.0
-    begin = 0.0
+    begin, rest = 0.0, 0.0
     for k in range(found):
         crossing = room.crossings[k]
         if wrong == 0:
             # a stretch without a length may grow
-            flux = add_arc(arc, begin, crossing.angle, sign, flux)
-        begin = crossing.angle
+            flux = add_arc(arc, begin, crossing.angle, crossing.rest - rest, sign, flux)
+        begin, rest = crossing.angle, crossing.rest
         c = int(crossing.cone)
         before = room.within[c] == room.caps[c]
         room.within[c] += crossing.step
@@ -240,7 +253,7 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
         if before != after:
             wrong += 1 if after != (c == own or c == 0) else -1
     if wrong == 0 and arc.end > begin:
-        flux = add_arc(arc, begin, arc.end, sign, flux)
+        flux = add_arc(arc, begin, arc.end, (TURN_REST if arc.end == TURN else 0.0) - rest, sign, flux)
     return flux
 
 

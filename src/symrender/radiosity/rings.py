@@ -276,8 +276,8 @@ def share_beside(scratch: Scratch, count: int, turns: int, ring: Ring, normal: V
             total -= leaves.edge_share(*inner[0], *inner[1], *normal)
         else:
             x, y, z = leaves.arc_flux(
-                *vector(ring.axis), *vector(ring.first), *vector(ring.second), ring.cosine, ring.sine, begin,
-                scratch.turns[(k + 1) % turns], end - begin,
+                *vector(ring.axis), *vector(ring.first), *vector(ring.second), ring.cosine, ring.sine, middle,
+                end - begin, 2.0 * math.sin(0.5 * (end - begin)) if turns > 1 else 0.0,
             )  # fmt: skip
             total -= dot(normal, (x, y, z)) / TURN
     return max(0.0, total)

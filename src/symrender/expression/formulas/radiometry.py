@@ -134,19 +134,17 @@ def sphere_cap(offset: Vec3, radius: Real) -> tuple[Vec3, Real, Real]:
 
 
 def arc_flux(
-    axis: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real, begin: Real, end: Real, span: Real
+    axis: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real, middle: Real, span: Real, chord: Real
 ) -> Vec3:  # fmt: skip
-    """Integral of w x dw along an arc, counter-clockwise from ``begin`` to ``end``, of the circle about a unit axis.
+    """Integral of w x dw along an arc of the circle about a unit axis, counter-clockwise.
 
-    w = cos a c + sin a (cos t e1 + sin t e2), with e1, e2, c right-handed. ``span`` is the angle from begin to end.
-    A whole circle begins and ends at one angle: the sine of the double nearest to 2 pi is not 0, and what that leaves
-    of a small circle, sin a of it, is larger than the flux, sin^2 a, allows.
+    w = cos a c + sin a (cos t e1 + sin t e2), with e1, e2, c right-handed, and t within half of ``span`` of ``middle``;
+    ``chord`` is 2 sin(span/2). Of short arcs differences of sines would lose what counts, and so would those of the
+    ends of a whole circle, whose chord is 0.
     """
     across = sine * cosine
     return (
-        axis * (sine * sine * span)
-        - first * (across * (sin(end) - sin(begin)))
-        + second * (across * (cos(end) - cos(begin)))
+        axis * (sine * sine * span) - first * (across * chord * cos(middle)) - second * (across * chord * sin(middle))
     )
 
 
