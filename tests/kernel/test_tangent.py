@@ -80,6 +80,17 @@ def test_a_function_without_a_tangent_is_refused_by_name() -> None:
         forward(Program((Function("f", (x,), block.statements, "gamma"),), ("f",)), "f")
 
 
+def test_a_loop_keeps_its_index() -> None:
+    """What is stored by an index that a piece of the loop's body has bound anew goes to another row."""
+    block = Block()
+    with pytest.raises(ValueError, match="k is the index of a loop"), block.loop("k", 3):
+        block.count("k", sp.Integer(0))
+    with pytest.raises(ValueError, match="k is the index of a loop"), block.loop("k", 3), block.when(real("x") > 0):
+        block.call("helper", (), "k")
+    with pytest.raises(ValueError, match="k is the index of a loop"), block.loop("k", 3), block.loop("k", 2):
+        pass
+
+
 def test_the_program_of_gradient_images_is_whole() -> None:
     program = tangent_program()
     assert set(program.entries) == {"sight_dot", "hits_dot", "places_dot", "camera_axes_dot", "stand_planes_dot"}

@@ -272,6 +272,21 @@ def test_the_path_tracer_draws_the_same_means(filter: str, sampler: str) -> None
     assert (np.abs(mean - expected) <= 5 * np.hypot(spread, sigma)).all()
 
 
+def test_what_would_open_lens_or_shutter_has_no_derivative() -> None:
+    """Beside these values an image is another mean, or numbers do not move one for one: none is said to stand still."""
+    still = halves()
+    moving = still.replace({"shapes[0].velocity": [1.0, 0.0, 0.0]})
+    later = moving.replace({"shutter": [0.5, 0.5]})
+    name = f"shapes.{still.shapes[0].name}.velocity.x"
+    for scene, asked in ((still, "camera.aperture"), (moving, "shutter.g"), (later, "shutter.r"), (later, name)):
+        for filter in ("centre", "box"):
+            with pytest.raises(Unsupported, match=asked):
+                sr.gradient(scene, [asked], size=1, filter=filter)  # type: ignore[arg-type]
+    for scene, asked in ((still, "camera.focus"), (still, "shutter.g"), (moving, name)):
+        found = sr.gradient(scene, [asked], size=1, filter="box", threads=1)[asked]
+        assert not found.radiance.any() and found.layer("status")[0, 0] == 0
+
+
 def test_bytes_depend_on_no_tile_and_no_thread() -> None:
     scene = exposed(7, "lens").replace({"camera.fov": 40.0})
     one = sr.truth(scene, size=(9, 5), tol=1e-3, threads=1, tile=4)

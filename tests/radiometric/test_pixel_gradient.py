@@ -131,6 +131,46 @@ def test_a_wall_on_the_border_of_a_pixel_states_half_of_what_it_parts() -> None:
     assert abs(abs(image.layer("direct")[0, 0, 1]) - one_side / 2 * (0.1 / wide)) < 1e-3 * one_side
 
 
+@pytest.mark.parametrize("aim", [0.1, 0.2, 1e-3])
+def test_a_wall_on_a_line_of_a_texture_has_two_derivatives(aim: float) -> None:
+    """Where walls coincide and part: the value lies midway and half of the difference is stated, by either shape.
+
+    With the last aim the contact is the edge of cells all along, for the camera looks straight at it.
+    """
+    tiles = {"type": "checker", "bright": 0.8, "dark": 0.2, "cell": 1}
+    target = [aim, 1.9, 0.1] if aim > 0.01 else [0.1, 2.0, 0.0]
+    scene = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [target[0], -6, 3], "target": target, "fov": 8},
+        "materials": {"tiles": {"type": "diffuse", "reflectance": tiles},
+                      "white": {"type": "diffuse", "reflectance": 0.5}},
+        "shapes": [
+            {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "tiles"},
+            {"type": "plane", "name": "wall", "point": [0, 2, 0], "normal": [0, -1, 0], "material": "white"},
+        ],
+        "lights": [{"type": "point", "name": "key", "position": [1, -3, 4], "intensity": 30}],
+    })  # fmt: skip
+    names, at_rest = ["shapes.wall.point.y", "shapes.floor.point.y", "camera.eye.y"], {}
+    images = sr.gradient(scene, names, size=1, tol=1e-4, filter="box", threads=1)
+
+    def mean(name: str, step: float) -> float:
+        moved = scene.replace({name: float(get(scene, name)) + step})
+        return float(sr.truth(moved, size=1, tol=1e-9, filter="box", threads=1).radiance[0, 0, 0])
+
+    for name in names:
+        at_rest.setdefault("", mean(name, 0.0))
+        sides = []
+        for sign in (1, -1):
+            far, near = (sign * (mean(name, sign * step) - at_rest[""]) / step for step in (2e-4, 1e-4))
+            sides.append(2 * near - far)
+        apart, found = abs(sides[0] - sides[1]) / 2, images[name]
+        error = float(found.layer("error")[0, 0])
+        assert (apart > 1e-3) == (name != "camera.eye.y") and abs(sum(sides)) > 1e-3
+        assert abs(float(found.radiance[0, 0, 0]) - sum(sides) / 2) < 1e-5 + 0.05 * error
+        assert apart <= error + 1e-6 and error <= 1.4 * apart + 1e-4
+        assert (found.layer("status")[0, 0] == 0) == (name == "camera.eye.y")
+
+
 def pixel_slope(
     scene: RadiometricScene, name: str, size: int, tol: float, column: int, row: int
 ) -> tuple[np.ndarray[Any, Any], float, np.ndarray[Any, Any]]:

@@ -72,3 +72,48 @@ def test_silhouettes_of_direct_light_move(name: str) -> None:
     found, stated, expected, doubt = slope_and_difference(scene, name, 43, 14, "box", 1e-3)
     assert stated <= 1e-3 and np.abs(expected).max() > 5 * (stated + doubt)
     assert np.abs((found - expected).sum(axis=0)).max() <= 1.5 * stated + doubt
+
+
+def room() -> Scene:
+    """A ball before a wall that stands askew on a checkered floor, seen through one pixel."""
+    scene = sr.load({
+        "name": "room",
+        "camera": {"type": "look_at", "eye": [0.1, -6, 3], "target": [0.35, 1.6, 0.1], "fov": 5},
+        "spheres": [{"name": "A", "center": [0.6, 0.9, 0.4], "radius": 0.4, "color": [0.2, 0.5, 0.9],
+                     "texture": {"type": "stripes", "ku": 2.3}}],
+        "floor": {"texture": {"type": "checker", "cell": 0.8, "offset": [0.1, 0.05]}},
+        "planes": [{"name": "wall", "point": [0, 1.93, 0], "normal": [0.3, -1, 0.1], "along": [1, 0, 0.2],
+                    "texture": {"type": "checker", "cell": 2.7, "offset": [0.2, 0.1]}}],
+        "lights": [{"type": "point", "name": "k", "position": [1, -3, 4]}],
+        "background": [0.1, 0.2, 0.3],
+        "shading": {"shininess": 12.5},
+    })  # fmt: skip
+    assert isinstance(scene, Scene)
+    return scene
+
+
+def test_whatever_a_pixel_shows_moves_it_as_differences_say() -> None:
+    """An excerpt of ``benchmarks/filtered_derivatives_are_stated.py``: a ball, a floor and a plane in one pixel."""
+    scene, told = room(), 0
+    names = [
+        *("planes.wall.point.y", "planes.wall.normal.x", "planes.wall.texture.cell", "planes.wall.texture.bright.b"),
+        *("floor.texture.offset.x", "spheres.A.center.x", "spheres.A.texture.ku", "lights.k.position.x"),
+        *("shading.shininess", "camera.eye.y", "camera.fov"),
+    ]
+    found = sr.gradient(scene, names, size=1, tol=1e-3, filter="box", threads=1)
+    for name in names:
+        value, sides = float(get(scene, name)), []
+        step = 2e-3 * max(1.0, abs(value))
+        for part in (1.0, 0.5):
+            high, low = (
+                sr.truth(scene.replace({name: value + side * part * step}), size=1, tol=1e-6, filter="box", threads=1)
+                for side in (1, -1)
+            )
+            sides.append((high.radiance[0, 0] - low.radiance[0, 0]) / (2 * part * step))
+        far, near = sides
+        expected = (4 * near - far) / 3
+        stated = float(found[name].layer("error")[0, 0])
+        doubt = np.abs(near - far).max() + 2 * float(high.layer("error")[0, 0]) / step
+        assert np.abs(found[name].radiance[0, 0] - expected).max() <= 1.5 * stated + 2 * doubt, name
+        told += np.abs(expected).max() > 5 * (stated + doubt)
+    assert told >= 8

@@ -31,6 +31,7 @@ class Block:
     def __init__(self) -> None:
         self._open: list[list[Statement]] = [[]]
         self._shared = 0
+        self._indices: list[str] = []
 
     @property
     def statements(self) -> tuple[Statement, ...]:
@@ -39,7 +40,13 @@ class Block:
         return tuple(body)
 
     def add(self, statement: Statement) -> None:
-        """Append one statement."""
+        """Append one statement; ValueError where it assigns the index of a loop it is written in."""
+        names = statement.targets if isinstance(statement, Call) else ()
+        if isinstance(statement, Let | Loop):
+            names = (statement.name if isinstance(statement, Let) else statement.index,)
+        # pieces that several functions share bind names of their own; what is stored after them would go astray
+        if taken := {name.name for name in names} & set(self._indices):
+            raise ValueError(f"{min(taken)} is the index of a loop; a name bound in the loop must be another")
         self._open[-1].append(statement)
 
     def lets(self, values: Mapping[str, sp.Expr]) -> tuple[sp.Symbol, ...]:
@@ -106,7 +113,9 @@ class Block:
         """Counted loop; yields the index."""
         symbol = whole(index)
         self._open.append([])
+        self._indices.append(index)
         yield symbol
+        self._indices.pop()
         body = tuple(self._open.pop())
         self.add(Loop(symbol, sp.sympify(first), sp.sympify(count), body))
 

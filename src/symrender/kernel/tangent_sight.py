@@ -51,24 +51,24 @@ def places() -> Function:
     spots, classes = Array("spots", 2), Array("classes", 1)
     ends, facing, along, light = (Array(name, 2) for name in ("ends", "facing", "along", "light"))
     block = Block()
-    with block.loop("k", spots.length) as k:
+    with block.loop("spot", spots.length) as spot:
         half = sp.Rational(1, 2)
-        arguments = (spots[k, 1] - half, spots[k, 0] - half, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES)
+        arguments = (spots[spot, 1] - half, spots[spot, 0] - half, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES)
         names = [f"{vector}_{axis}" for vector in "dqn" for axis in "xyz"]
         block.call("look_at_place", arguments, "shape", "sx", "sy", *names)
         shape, sx, sy = whole("shape"), real("sx"), real("sy")
         d, q, normal = vec3("d"), vec3("q"), vec3("n")
-        block.store(classes[k], shape)
+        block.store(classes[spot], shape)
         for array, vector in ((ends, q), (facing, normal), (along, d)):
             for c, value in enumerate(vector.parts):
-                block.store(array[k, c], value)
+                block.store(array[spot, c], value)
         with block.when(sp.Eq(shape, at.NOTHING)):
             for c in range(3):
-                block.store(light[k, c], SHADING.field("background", part=c))
+                block.store(light[spot, c], SHADING.field("background", part=c))
             block.next()
         tiles.shade_pixel(block, shape, sx, sy, d, q, normal)
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
-            block.store(light[k, c], value)
+            block.store(light[spot, c], value)
     parameters = (
         *(spots, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING),
         *(classes, ends, facing, along, light),

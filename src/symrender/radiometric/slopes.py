@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from types import ModuleType
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from symrender.jit.compiled import compiled
 from symrender.jit.generated import load_module
-from symrender.jit.records import flat, grid, record, table
+from symrender.jit.records import copied, flat, grid, record, table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric import pieces, tile
 from symrender.radiometric.bounds import Bound, laid_bounds
@@ -22,7 +23,7 @@ from symrender.radiometric.world import Seen, World
 from symrender.scene.arrays import PLANE
 from symrender.scene.frames import frame_moves, turned
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, plane_record
+from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, laid_out, plane_record
 from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.records import Camera, Frame, Plane
 
@@ -68,6 +69,18 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
     return RadiometricArrays(
         materials, terms, shapes, facets, places, lights, directions, camera, arrays.bounces, arrays.exposure
+    )  # fmt: skip
+
+
+def moved_by(arrays: RadiometricArrays, move: Move, by: float) -> RadiometricArrays:
+    """The scene where the parameter of ``move`` is more by so much."""
+    kept = {name: copied(getattr(arrays, name)) for name, _ in move[1]}
+    for name, index in move[1]:
+        (kept[name] if name == "directions" else flat(kept[name]))[index] += by
+    there = replace(arrays, **kept)
+    return laid_out(
+        there.materials, there.terms, there.shapes, there.facets, there.lights, there.directions, there.camera,
+        there.bounces, there.exposure, there.first_gloss,
     )  # fmt: skip
 
 

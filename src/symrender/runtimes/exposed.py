@@ -48,7 +48,7 @@ _LOOKS: Final = ((0.2113248654051871, 0.3, 0.4, 0.7886751345948129), (0.78867513
 
 def is_exposed(arrays: RadiometricArrays) -> bool:
     """Whether an image is a mean over a lens or over time."""
-    return arrays.exposure.aperture > 0.0 or arrays.exposure.moves
+    return arrays.exposure.spreads
 
 
 def check_means(arrays: RadiometricArrays, settings: Settings) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -12,14 +13,14 @@ from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.slopes import seen_moves
+from symrender.radiometric.slopes import moved_by, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.part_rules import Rules
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Places
 from symrender.runtimes.pixels import DOMAINS, check_pixels, eye_of
-from symrender.runtimes.speeds import Speeds, pushed_light
+from symrender.runtimes.speeds import Beside, Speeds, pushed_light
 from symrender.runtimes.swept_pixels import Beginning, SweptRule
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -51,7 +52,8 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     beginning, rules = Beginning(), {}
     for move in wrt:
         speeds = Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings)
-        rules[move[0]] = DirectRule(canvas, _CHANNELS, speeds, beginning), _look(speeds)
+        rule = DirectRule(canvas, _CHANNELS, speeds, beginning, _beside(arrays, speeds, move))
+        rules[move[0]] = rule, _look(speeds)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0
@@ -81,6 +83,16 @@ def _look(speeds: Speeds) -> Look:
         count = len(values)
         found = np.concatenate([slopes, values, np.zeros((count, 1))], axis=1)
         return Light(found, np.zeros(count), np.full(count, MET), np.ones(count, np.int64))
+
+    return look
+
+
+def _beside(arrays: RadiometricArrays, speeds: Speeds, move: Move) -> Beside:
+    """What answers for places where the parameter is a little more or less."""
+
+    def look(by: float, columns: Array, rows: Array) -> Array:
+        view = seen(moved_by(arrays, move, by), speeds.settings.width, speeds.settings.height)
+        return pushed_light(replace(speeds, view=view), columns, rows)[0]
 
     return look
 

@@ -28,18 +28,18 @@ from symrender.radiometric.slopes import window_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, World
 from symrender.runtimes.gradient import Slopes
-from symrender.runtimes.image import TileKernel
+from symrender.runtimes.image import TileKernel, trace
 from symrender.runtimes.pixel_gradient import DirectRule
 from symrender.runtimes.pixel_parts import Light, Look, Places
-from symrender.runtimes.series_pixels import DIRECT_SHARE, SeriesScene, direct_rounding, sections_of
+from symrender.runtimes.series_pixels import DIRECT_SHARE, SeriesScene, direct_rounding, sections_of, window_of
 from symrender.runtimes.series_refusals import check_series_pixels
-from symrender.runtimes.speeds import Speeds
+from symrender.runtimes.speeds import Beside, Speeds
 from symrender.runtimes.swept_pixels import BUDGET as NODES
 from symrender.runtimes.swept_pixels import Beginning, SweptRule
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import frame_moves, frames
-from symrender.scene.moves import Move, SceneMoves, scene_moves
+from symrender.scene.moves import Move, SceneMoves, moved_by, scene_moves
 from symrender.scene.radiometric.records import Light as Lamp
 from symrender.scene.radiometric.records import Material, Term
 from symrender.scene.records import Floor, Frame, Plane
@@ -142,7 +142,8 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             speeds = Speeds.of(
                 canvas.eye, Seen(world, eye, canvas.window), still, "list_series_walls", settings, *parts
             )  # fmt: skip
-            rules.append(kind(canvas, _CHANNELS, speeds, beginning))
+            beside = _beside(scene, move) if kind is DirectRule else None
+            rules.append(kind(canvas, _CHANNELS, speeds, beginning, beside))
         each[move[0]] = slopes, rules
     own = threading.local()
 
@@ -178,6 +179,20 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
         return spent
 
     return render
+
+
+def _beside(scene: SeriesScene, move: Move) -> Beside:
+    """What answers for places where the parameter is a little more or less."""
+    settings = scene.settings
+
+    def look(by: float, columns: Array, rows: Array) -> Array:
+        arrays = moved_by(scene.arrays, move, by)
+        window = window_of(arrays, settings.width, settings.height)
+        there = replace(scene, arrays=arrays, direct=replace(scene.direct, window=window))
+        rays = there.rays(Places(columns, rows, np.zeros(len(columns), np.bool_)))
+        return trace(arrays, *rays, at.NOTHING, settings.disk_order)[0]
+
+    return look
 
 
 def _direct_look(slopes: Slopes, bright: float) -> Look:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from types import ModuleType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -24,6 +25,13 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen
 from symrender.settings import Settings
 
+_ALIKE: Final = 1e-9
+"""Relative difference of speeds up to which walls that coincide are one: what two ways to list it round."""
+_OPENED: Final = 1e-6
+"""How far the faster of two such walls is moved to see what lies between them, in half widths of a support."""
+_LEAST: Final = 1e-10
+"""Gaps that are looked into at least, in these: a hundred times what places of walls are known to."""
+
 
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
@@ -41,13 +49,14 @@ def pushed_module() -> ModuleType:
 class Steps:
     """N places of an image, in pixels, where walls cross lines, and the directions of these lines in an image.
 
-    ``steps`` (N, 2) are in half widths of a filter's support, as the places of ``Sweep``.
+    ``steps`` (N, 2) are in half widths of a filter's support, as the places of ``Sweep``; ``reach`` is one, in pixels.
     """
 
     columns: Array
     rows: Array
     steps: Array
     walls: Ints
+    reach: float
 
 
 @dataclass(frozen=True)
@@ -122,18 +131,65 @@ def end_weights(order: int) -> Array:
     ])  # fmt: skip
 
 
-def jumps(walls: Ints, values: Array) -> tuple[Array, Array]:
-    """(edges, C): ``values`` (nodes, C) before each edge of a ``Sweep`` less those behind it, and the sum of their
-    sizes as they were weighed. Nothing is swept where there is no piece before."""
-    found, size = np.zeros((len(walls), values.shape[1])), np.zeros((len(walls), values.shape[1]))
+def beside_edges(walls: Ints, values: Array) -> tuple[Array, Array, Array]:
+    """(edges, C) each: ``values`` (nodes, C) before each edge of a ``Sweep``, behind it, and the sum of their sizes as
+    they were weighed. All are nothing where there is no piece before: nothing is swept."""
+    before, behind, size = (np.zeros((len(walls), values.shape[1])) for _ in range(3))
     for order in np.unique(walls[:, 4]).tolist():
         some = np.flatnonzero((walls[:, 4] == order) & (walls[:, 2] >= 0))
-        for row, sign in ((1, 1.0), (0, -1.0)) if order else ():
+        for row, found in ((1, before), (0, behind)) if order else ():
             nodes = values[walls[some, 3 - row, None] + np.arange(order)]
             weights = end_weights(order)[row][None, :, None]
-            found[some] += sign * (weights * nodes).sum(axis=1)
+            found[some] += (weights * nodes).sum(axis=1)
             size[some] += (np.abs(weights) * np.abs(nodes)).sum(axis=1)
-    return found, size
+    return before, behind, size
+
+
+Beside = Callable[[float, Array, Array], Array]
+"""(N, C) light through places of the image, columns and rows in pixels, where the parameter is by so much more."""
+
+
+def part_twins(
+    at: Steps, edges: Array, speed: Array, before: Array, behind: Array, beside: Beside | None, bright: float
+) -> tuple[Ints, Array, Array, Array]:  # fmt: skip
+    """Where walls coincide and part as the parameter moves a mean has two derivatives, one for either way.
+
+    (rows of ``edges``, what is added to what the first of each group sweeps, (n, C), for the value between both, half
+    of what they differ by, (n, C), and what both may be off by, (n,)). What opens between two walls is not there to be
+    seen: it is looked at where the parameter is a little more and a little less; without ``beside`` any light up to the
+    brightest may be there.
+    """
+    group = np.cumsum(edges[:, 5] != moving.TWIN)
+    which = np.flatnonzero((np.bincount(group, minlength=1)[group] > 1) & np.isfinite(speed))
+    which = which[np.lexsort((speed[which], group[which]))]
+    slow, fast = which[:-1], which[1:]
+    parts = speed[fast] - speed[slow]
+    most = np.maximum(np.abs(speed[slow]), np.abs(speed[fast]))
+    # walls that are one move alike but for roundings
+    apart = (group[slow] == group[fast]) & (parts > _ALIKE * most)
+    slow, fast, parts, most = slow[apart], fast[apart], parts[apart], most[apart]
+    seen = np.full((2, len(slow), before.shape[1]), 0.5 * bright)
+    off = np.full(len(slow), 0.5 * bright)
+    if beside is not None and len(slow):
+        length = np.hypot(at.steps[slow, 0], at.steps[slow, 1])
+        step = _OPENED / float((most * length).max())
+        looks = np.empty((2, *seen.shape))
+        for side, sign in enumerate((1.0, -1.0)):
+            for k, share in enumerate((1.0, 0.5)):
+                by = sign * share * step
+                along = at.reach * (0.5 * by * (speed[slow] + speed[fast]))[:, None] * at.steps[slow]
+                looks[k, side] = beside(by, at.columns[slow] + along[:, 0], at.rows[slow] - along[:, 1])
+        told = step * parts * length > _LEAST
+        seen[:, told] = (2.0 * looks[1] - looks[0])[:, told]
+        off[told] = np.abs(looks[1] - looks[0]).max(axis=(0, 2))[told]
+    first = np.maximum.accumulate(np.where(edges[:, 5] == moving.TWIN, 0, np.arange(len(edges))))
+    # of gaps that open before the first wall the rest of the sum is the other one
+    swapped = (speed[fast] <= speed[first[slow]])[:, None]
+    left, right = before[slow], behind[slow]
+    more = seen[0] - np.where(swapped, left, right)
+    less = np.where(swapped, right, left) - seen[1]
+    weight = (edges[slow, 4] * parts)[:, None]
+    return slow, 0.5 * weight * (more + less), 0.5 * weight * (more - less), np.abs(weight[:, 0]) * off
 
 
 def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:

@@ -29,7 +29,7 @@ from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
 from symrender.runtimes.part_rules import Rules, bends
 from symrender.runtimes.part_states import Ints, Pixels, State, added
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Mean, PixelRule, Places
-from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
+from symrender.runtimes.speeds import Beside, Speeds, Steps, beside_edges, make_sweep, part_twins, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
@@ -83,7 +83,7 @@ class SweptRule(PixelRule):
     What nodes see are (N, 2 C + 1): slopes, light, and what light may be off by. What nodes see change and what walls
     sweep are two terms of a mean, for beside a limb what one has too much the other has too little.
     Halves of a part beside a limb are hardly better, for slopes there are as one over a root: rules of higher orders
-    are always tried first.
+    are always tried first. ``beside`` looks at what opens between walls that coincide.
     """
 
     rules = Rules(((1, 2, 3, 5), (2, 3, 5, 8, 12), (2, 3)), told=False, densest=1.0)
@@ -93,9 +93,12 @@ class SweptRule(PixelRule):
     slow = 3.0
     doubt = 0.08
 
-    def __init__(self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None) -> None:
+    def __init__(
+        self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None,
+        beside: Beside | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(canvas, channels, 2, self.rules)
-        self._speeds, self._beginning = speeds, beginning or Beginning()
+        self._speeds, self._beginning, self._beside = speeds, beginning or Beginning(), beside
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by: of what may be cut off unseen the length, times what walls part and their speed."""
@@ -120,7 +123,7 @@ class SweptRule(PixelRule):
         count, own = len(some), [np.repeat(np.arange(len(some)), np.diff(ends[:, k], prepend=0)) for k in range(2)]
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
-        at = Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2])
+        at = Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2], self.canvas.reach)
         speed = self._speeds.across(at)
         fast = _fastest(own[1], edges, speed, count)
         fast[ends[:, 2] == 1] = np.inf
@@ -129,17 +132,27 @@ class SweptRule(PixelRule):
         seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, budget)
         slopes, light, error = seen.values[:, : self._channels], seen.values[:, self._channels :], seen.error
         self._seen_by(pixels, pixel, replace(seen, values=light[:, :CHANNELS]))
-        parted, size = jumps(walls, light)
-        moved = np.where((edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), 0.0, edges[:, 4] * speed)
+        before, behind, size = beside_edges(walls, light)
+        parted = before - behind
+        none = (edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED) | (edges[:, 5] == moving.TWIN)
+        moved = np.where(none, 0.0, edges[:, 4] * speed)
         border = edges[:, 5] == moving.BORDER
         inside, outside = np.where(border, 0.0, moved), np.where(border, np.abs(moved), 0.0)
+        swept = inside[:, None] * parted[:, : self._channels]
+        rows, opened, half, doubt = part_twins(
+            at, edges, speed, before[:, : self._channels], behind[:, : self._channels], self._beside, self.canvas.bright
+        )  # fmt: skip
+        np.add.at(swept, rows, opened)
         values = np.column_stack(
             [added(own[0], nodes[:, 2] * slopes[:, c], count) for c in range(self._channels)]
-            + [added(own[1], inside * parted[:, c], count) for c in range(self._channels)]
+            + [added(own[1], swept[:, c], count) for c in range(self._channels)]
         )  # fmt: skip
         most = np.abs(parted[:, : self._channels]).max(axis=1, initial=0.0)
         stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
         stated += added(own[1], outside * most + np.abs(moved) * size[:, self._channels], count)
+        # along a checker's line one way brings what the other takes
+        halves = [np.abs(added(own[1][rows], half[:, c], count)) for c in range(self._channels)]
+        stated += added(own[1][rows], doubt, count) + np.max(halves, axis=0)
         known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
         rough = np.flatnonzero((parts["kind"] == COARSE)[own[0]])
         changed = added(own[0][rough], np.abs(nodes[rough, 2]) * np.abs(slopes[rough]).max(axis=1, initial=0.0), count)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from symrender.errors import SceneError, Unsupported
-from symrender.jit.records import Grid, Table, column, flat, grid, table
+from symrender.jit.records import Grid, Table, column, copied, flat, grid, table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve
@@ -116,3 +116,11 @@ def scene_moves(arrays: SceneArrays, moved: tuple[Move, ...]) -> SceneMoves:
         for name, index in elements:
             flat(getattr(tangents, name))[(q, *index)] = 1.0
     return tangents
+
+
+def moved_by(arrays: SceneArrays, move: Move, by: float) -> SceneArrays:
+    """The numbers of the scene where the parameter of ``move`` is more by so much."""
+    kept = {name: copied(getattr(arrays, name)) for name, _ in move[1]}
+    for name, index in move[1]:
+        flat(kept[name])[index] += by
+    return replace(arrays, **kept)

@@ -29,6 +29,8 @@ _OUTSIDE: Final = 0.1
 
 # what a row of ``Sweep.edges`` is
 PARTED: Final = 0
+TWIN: Final = 1
+"""A wall that coincides with the one of the row before, between the same pieces."""
 BORDER: Final = 2
 """On the border of the pixel, where means have two derivatives: once more, for the half that these differ by."""
 UNRESOLVED: Final = 3
@@ -114,8 +116,8 @@ def put_parted(
 
 @jitable
 def put_beside(
-    eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, own: int, curve: int, mode: int, t: float, s: float,
-    inner: int, order: int, length: float,
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, own: int, count: int, curve: int, mode: int,
+    t: float, s: float, inner: int, order: int, length: float,
 ) -> None:  # fmt: skip
     """Add a wall on the end t of a line, where the piece inside has its nodes from ``inner`` on and is ``length`` long.
 
@@ -131,9 +133,14 @@ def put_beside(
         put_node(sweep, cell.x + half * x, cell.y + half * y, 0.0)
     before, behind = inner if t > 0.0 else outer, outer if t > 0.0 else inner
     put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, PARTED, before, behind, order)
+    for k in range(count):
+        if k != curve and abs(room.places[1, k] - t) <= _EDGE:
+            put_parted(eye, cell, room, sweep, 0.5 * weight, own, k, mode, t, s, TWIN, before, behind, order)
     x, y = place_of(mode, t, s)
     if max(abs(cell.x + half * x), abs(cell.y + half * y)) >= 1.0 - 1e-8:
-        put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, BORDER, before, behind, order)
+        for k in range(count):
+            if abs(room.places[1, k] - t) <= _EDGE:
+                put_parted(eye, cell, room, sweep, 0.5 * weight, own, k, mode, t, s, BORDER, before, behind, order)
 
 
 @jitable
@@ -160,7 +167,7 @@ def sweep_line(
     wall, ending = on_edges(room, count, wide)
     found = in_order(room, count)
     hard, ends = (wall < 0 or room.soft[wall] == 0.0), (ending < 0 or room.soft[ending] == 0.0)
-    start, at, before, length = -wide, -wide, -1, 0.0
+    start, at, before, length, group = -wide, -wide, -1, 0.0, 0
     for piece in range(found + 1):
         last = piece == found
         stop = wide if last else min(max(room.places[3, piece], start), wide)
@@ -175,20 +182,22 @@ def sweep_line(
                 put_node(sweep, cx + half * x, cy + half * y, share)
             if wall >= 0 and before >= 0:
                 put_parted(eye, cell, room, sweep, weight, own, wall, mode, at, s, PARTED, before, first, order)
+                for k in range(group + 1, piece):
+                    twin = int(room.states[3, k])
+                    put_parted(eye, cell, room, sweep, weight, own, twin, mode, at, s, TWIN, before, first, order)
             elif wall >= 0:
-                put_beside(eye, cell, room, sweep, weight, own, wall, mode, -wide, s, first, order, stop - start)
-            # of walls that coincide the last before a piece is the one that is taken to move
+                put_beside(eye, cell, room, sweep, weight, own, count, wall, mode, -wide, s, first, order, stop - start)
             wall, before, length = -1, first, stop - start
         if not last and start >= -wide:
             if wall < 0:
-                wall, at = int(room.states[3, piece]), room.places[3, piece]
+                wall, at, group = int(room.states[3, piece]), room.places[3, piece], piece
             if stop - start > _THIN or piece == 0:
                 hard = free
             else:
                 hard = hard and free
         start = stop
     if ending >= 0 and before >= 0:
-        put_beside(eye, cell, room, sweep, weight, own, ending, mode, wide, s, before, order, length)
+        put_beside(eye, cell, room, sweep, weight, own, count, ending, mode, wide, s, before, order, length)
 
 
 @jitable

@@ -33,6 +33,11 @@ class Exposure:
         return self.closes > self.opens and any(v.any() for v in (self.shapes, self.lights, self.camera))
 
     @property
+    def spreads(self) -> bool:
+        """Whether an image is a mean over a lens or over time."""
+        return self.aperture > 0.0 or self.moves
+
+    @property
     def duration(self) -> float:
         """How long the shutter is open."""
         return self.closes - self.opens

@@ -7,17 +7,21 @@ from typing import Final
 
 import numpy as np
 
+from symrender.errors import Unsupported
 from symrender.jit.records import flat
 from symrender.scene.moves import Move, components, stepped
 from symrender.scene.radiometric.arrays import DIRECTIONAL, SPOT, Array, RadiometricArrays, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 
 MOVED: Final = ("materials", "terms", "shapes", "facets", "lights", "directions", "camera")
-"""Fields of ``RadiometricArrays`` that parameters move; the others follow from them."""
+"""Fields of ``RadiometricArrays`` that parameters move one for one; ``frames`` follow from them."""
 
 
 def radiometric_moves(scene: RadiometricScene, names: Iterable[str]) -> tuple[Move, ...]:
-    """What each of ``names`` moves in ``RadiometricArrays``, vectors written out; SceneError for what is no number."""
+    """What each of ``names`` moves in ``RadiometricArrays``, vectors written out; SceneError for what is no number.
+
+    Unsupported for what moves the exposure, or the records otherwise than one for one, as velocities do.
+    """
     return tuple((name, _moved(scene, name)) for name in components(scene, names))
 
 
@@ -38,9 +42,18 @@ def numbers(arrays: RadiometricArrays, name: str) -> Array:
 
 def _moved(scene: RadiometricScene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
     here = radiometric_arrays(scene)
-    _, _, there = stepped(scene, name, radiometric_arrays)
+    value, other, there = stepped(scene, name, radiometric_arrays)
+    if there.exposure.spreads and not here.exposure.spreads:
+        raise Unsupported(
+            f"{name}: beside {value:g} the image is a mean over a lens or over time, which is not yet differentiated"
+        )
     found: list[tuple[str, tuple[int, ...]]] = []
     for part in MOVED:
-        changed = np.nonzero(numbers(here, part) != numbers(there, part))
-        found += [(part, tuple(int(k) for k in index)) for index in zip(*changed, strict=True)]
+        a, b = numbers(here, part), numbers(there, part)
+        changed = a != b
+        # a sum may round
+        rounded = 4.0 * np.spacing(np.maximum(np.abs(a), np.abs(b)) + abs(value))
+        if (np.abs((b - a) - (other - value)) > rounded)[changed].any():
+            raise Unsupported(f"{name}: is not yet differentiated where it does not move the {part} one for one")
+        found += [(part, tuple(int(k) for k in index)) for index in zip(*np.nonzero(changed), strict=True)]
     return tuple(found)
