@@ -311,6 +311,7 @@ def judge_table(report: Report, first: int, count: int) -> None:
             kept = sums.setdefault((units, shape), dict.fromkeys(row, 0))
             for name, number in row.items():
                 kept[name] += number
+        report.say(f"seed {seed}: " + ", ".join(f"{sum(k[name] for k in sums.values())} {name}" for name in row))
     names = list(sums["series", "sphere"])
     report.table(["units", "shape", *names], [[*pair, *row.values()] for pair, row in sums.items()])
     told = sum(row["told"] for row in sums.values())
