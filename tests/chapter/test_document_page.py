@@ -132,16 +132,16 @@ def test_a_figure_that_breaks_a_claim_breaks_the_build(built: Built) -> None:
         compose(replace(built.measured, figures=missing), built.simulator)
 
 
-def test_the_readme_prints_the_same_errata(built: Built) -> None:
+def test_the_page_prints_the_same_errata(built: Built) -> None:
     """One measurement in both places: what does not depend on how much a build measures is compared digit by digit."""
-    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
+    page = (Path(__file__).resolve().parents[2] / "docs" / "chapter.md").read_text("utf-8")
     plain = lambda name, form: shown(built.measured.figures[name].value, form).replace(THIN, " ")  # noqa: E731
     buried = ", ".join(plain(f"claims.buried_{angle}", "percent") for angle in (30, 20, 10))
-    assert f"{buried} of the gloss seen" in readme
+    assert f"{buried} of the gloss seen" in page
     widths = [plain(f"claims.{name}", ".3f") for name in ("ruler", "sigma", "rms")]
-    assert "n = 16: {}; per axis {}, RMS angle {} |".format(*widths) in readme
+    assert "n = 16: {}; per axis {}, RMS angle {} |".format(*widths) in page
     counted = [plain(f"claims.{name}", "count").replace(" ", "") for name in ("b_printed", "a_true", "b_true")]
-    assert "sphere B fills {} of 4096 pixels; repaired: A {}, B {},".format(*counted) in readme
+    assert "sphere B fills {} of 4096 pixels; repaired: A {}, B {},".format(*counted) in page
 
 
 def test_outputs_of_a_cell_are_shown_as_they_are() -> None:
