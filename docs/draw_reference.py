@@ -1,7 +1,7 @@
 """Draws docs/images/reference.png: the default scene's reference and the error stated for every pixel.
 
-``--image truth.npz`` takes an image that ``symrender truth gloss --filter box --size 384x288 --tol 1e-3`` has written,
-else it is rendered here, which takes some minutes of a processor.
+``--image truth.npz`` takes an image that README's command has written, else it is rendered here, which takes some
+minutes of a processor.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def main() -> None:
     if options.image:
         image = sr.read_image(options.image)
     else:
-        image = sr.truth("gloss", size=(384, 288), tol=TOLERANCE, filter="box")
+        image = sr.truth("gloss", size=(384, 288), tol=TOLERANCE, disk="exact", silhouettes=4)
     found, error = verdict(image), image.layer("error")
     met = found.pixels - sum(found.missed.values())
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
