@@ -77,7 +77,6 @@ def height() -> Scene:
     return CLAY | {"bump": {"height": {"sin": {"mul": [5, "x"]}}, "amplitude": 0.05}}
 
 
-PHONG = {"type": "phong", "exponent": 20, "reflectance": 0.4, "two_sided": True}
 RADIOMETRIC: Mapping[str, Scene] = {
     "spheres and planes": physical(PLANE, BALL),
     "rectangles, boxes, triangles": physical(SHEET, TRIANGLE, BOX),
@@ -105,13 +104,13 @@ RADIOMETRIC: Mapping[str, Scene] = {
     "sky over flat shapes": physical(SHEET, BOX, lights=(SKY,)),
     "spherical lamp": physical(PLANE, GLOBE, BALL, lights=(area("globe"),)),
     "flat lamp": physical(LAMP, SHEET, BOX, lights=(area("panel"),)),
-    "metal or Phong sphere": physical(PLANE, BALL, seen=METAL),
-    "metal or Phong box": physical(SHEET, BOX, seen=METAL),
+    "metal sphere": physical(PLANE, BALL, seen=METAL),
+    "metal box": physical(SHEET, BOX, seen=METAL),
     "metal sphere under a lamp": physical(PLANE, GLOBE, BALL, lights=(area("globe"),), seen=METAL),
     "metal sphere, flat lamp, `first_hit`": physical(
         LAMP, SHEET, BALL, lights=(area("panel"),), seen=METAL, gloss="first_hit"
     ),
-    "checker, stripes": physical(PLANE, BALL, seen=textured(CHECKER)),
+    "checker": physical(PLANE, BALL, seen=textured(CHECKER)),
     "marble": physical(PLANE, BALL, seen=textured(CHECKER | {"type": "marble"})),
     "bump": physical(SHEET, BALL, seen=height()),
 }
@@ -132,7 +131,7 @@ SERIES: Mapping[str, Scene] = {
     "spheres on a glossy floor": series(),
     "glossy sphere": series(spheres=[SPHERE | {"lobe": LOBE}], floor={}),
     "planes": series(planes=[{"name": "wall", "point": [0, 2, 0], "normal": [0, -1, 0], "lobe": LOBE}]),
-    "checker, stripes, marble on spheres": series(spheres=[SPHERE | {"texture": {"type": "marble"}}]),
+    "marble on a sphere": series(spheres=[SPHERE | {"texture": {"type": "marble"}}]),
     "disk light, K x K points": series(ROUND),
     "disk light, exact": series(ROUND),
     "mirror": series(floor={"lobe": LOBE | {"mirror": True}}),
@@ -210,12 +209,12 @@ def page(scene: Scene) -> str:
     return ""
 
 
-def table(rows: Mapping[str, Mapping[str, str]]) -> str:
-    """Ticks where there is nothing to say."""
+def table(rows: Mapping[str, Mapping[str, str]], bar: str = " | ") -> str:
+    """Ticks where there is nothing to say; ``bar`` stands between cells."""
     verbs = list(next(iter(rows.values())))
     lines = [["scene holds", *verbs], ["---"] + [":-:"] * len(verbs)]
     lines += [[name, *(NO if said else YES for said in row.values())] for name, row in rows.items()]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+    return "\n".join(f"{bar.lstrip()}{bar.join(line)}{bar.rstrip()}" for line in lines) + "\n"
 
 
 def reasons(rows: Mapping[str, Mapping[str, str]]) -> str:
@@ -255,7 +254,7 @@ def main() -> None:
             "support: series": table(series_rows),
             "support: reasons": reasons(physical_rows | series_rows),
         },
-        ROOT / "README.md": {"support": table(physical_rows)},
+        ROOT / "README.md": {"support": table(physical_rows, bar="|")},
     }
     made = {path: written(path, regions) for path, regions in pages.items()}
     if options.check:
