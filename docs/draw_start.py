@@ -41,6 +41,7 @@ def main() -> None:
             script = Path(programs) / "symrender"
             script.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m symrender "$@"\n', "utf-8")
             script.chmod(0o755)
+            (Path(programs) / "python").symlink_to(sys.executable)
 
             def step(found: re.Match[str], folder: str = folder, programs: str = programs) -> str:
                 print(f"{path.stem}: {found['command'].strip()}", file=sys.stderr, flush=True)
