@@ -37,7 +37,8 @@ CLAIMS: Mapping[str, str] = {
     "split_is_honest": "At least 99.9 % of random lobes are within their stated error.",
     "truth_takes_seconds": "A reference to 1e-6 in every pixel of 256 x 256 takes seconds to a minute.",
     "gradients_equal_differences": "Exact gradients equal extrapolated finite differences.",
-    "gradient_costs_a_few_images": "A gradient in three coordinates costs a few images. The target has since been lowered to 3.5.",
+    "gradient_costs_a_few_images": "A gradient in three coordinates costs a few images. "
+    "The target has since been lowered to 3.5.",
     "one_bounce_beats_mitsuba": "One bounce between diffuse surfaces takes less CPU time than Mitsuba's path tracer.",
     "cornell_beats_mitsuba": "The Cornell box takes less CPU time than Mitsuba's path tracer.",
     "split_beats_sampling": "The split rule takes less CPU time than the best hand-written C sampler.",

@@ -14,7 +14,9 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-STEP = re.compile(r"^```sh\n(?P<command>.*?)^```\n(?:\n<!-- output -->\n.*?<!-- /output -->\n)?", re.DOTALL | re.MULTILINE)
+STEP = re.compile(
+    r"^```sh\n(?P<command>.*?)^```\n(?:\n<!-- output -->\n.*?<!-- /output -->\n)?", re.DOTALL | re.MULTILINE
+)
 MOST = 22
 """Most lines of an output that are shown."""
 
@@ -44,7 +46,7 @@ def main() -> None:
             (Path(programs) / "python").symlink_to(sys.executable)
 
             def step(found: re.Match[str], folder: str = folder, programs: str = programs) -> str:
-                print(f"{path.stem}: {found['command'].strip()}", file=sys.stderr, flush=True)
+                print(found["command"].strip(), file=sys.stderr, flush=True)
                 output = run(found["command"], folder, programs)
                 return f"```sh\n{found['command']}```\n\n<!-- output -->\n```text\n{output}\n```\n<!-- /output -->\n"
 

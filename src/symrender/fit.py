@@ -53,12 +53,26 @@ class Step:
 
 @dataclass(frozen=True)
 class Fit:
-    """What a fit found.
+    """Result of a fit.
 
-    ``scene`` with the values found; ``values`` and ``deviations`` by name: the latter are standard deviations from
-    the Jacobian, (J^T J)^-1, and the residuals left, or the tolerance of the images where that is larger; ``steps``;
-    ``converged`` and the ``reason``; ``residual``, the RMS over pixels and channels of model - target; ``correlation``
-    (Q, Q) of the parameters.
+    Attributes
+    ----------
+    scene : Scene or RadiometricScene
+        The scene with the values found.
+    values : mapping of str to float
+        Value of every parameter.
+    deviations : mapping of str to float
+        Standard deviations from (J^T J)^-1 and the residuals left, or the tolerance where that is larger.
+    steps : tuple of Step
+        The iterations.
+    converged : bool
+        Whether the parameters stand still and enough pixels determine them.
+    reason : str
+        Why the fit ended.
+    residual : float
+        RMS of model - target over pixels and channels.
+    correlation : ndarray
+        Correlation of the parameters, (Q, Q).
     """
 
     scene: AnyScene
@@ -103,16 +117,66 @@ def fit(
     threads: int = 0,
     progress: Callable[[Step], None] | None = None,
 ) -> Fit:
-    """Change the real numbers ``free`` of ``scene`` until its image is ``target``, in least squares of radiance.
+    """Find numbers of a scene for which its image is the target, in least squares of radiance.
 
-    Gauss-Newton with backtracking: every iteration solves the problem linearised with exact Jacobians (``gradient``)
-    within the parameters' ranges (SciPy's ``lsq_linear``) and halves the step while the cost rises. Pixels whose ray
-    meets another shape, shadow or field than in the target jump as the parameters move, and no derivative at the
-    pixel tells: residuals that the linear model leaves far beyond the others count less. ``tol`` is that of image and
-    gradient, ``precision`` the relative change of the parameters at which the fit is done. ``filter`` and
-    ``filter_radius`` are what a pixel of the target is, as for ``truth``: means know silhouettes, and do not jump. They
-    are known to ``tol`` alone, so that a ``precision`` far below it is not reached.
-    Raises OptionError for a target whose metadata name another filter, ImageError for one without a radiance layer.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    target : Image
+        Image with a ``radiance`` layer (h, w, 3), whose size the fit takes.
+    free : sequence of str
+        Dotted names of the real numbers to be found; a vector stands for its components.
+    tol : float
+        Absolute error of the images; gradients are asked for ten times it.
+    iterations : int
+        Most iterations.
+    precision : float
+        Relative change of the parameters that ends the fit.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
+    filter : {"centre", "box", "tent", "gaussian", "mitchell"}
+        What a pixel is: the ray through its centre, or the weighted mean over a square about it.
+    filter_radius : float
+        Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    threads : int
+        Worker threads; 0 takes the processors of this process.
+    progress : callable, optional
+        Called with the ``Step`` of every iteration.
+
+    Returns
+    -------
+    Fit
+        The scene found, values with standard deviations, the steps, and whether the fit converged.
+
+    Raises
+    ------
+    OptionError
+        The target's metadata name another filter.
+    ImageError
+        The target has no radiance layer.
+    SceneError
+        A name is not a real number of the scene.
+
+    See Also
+    --------
+    gradient : The Jacobian of one iteration.
+
+    Notes
+    -----
+    Gauss-Newton with backtracking: each iteration solves the linearised problem within the parameters' ranges and
+    halves the step while the cost rises. A pixel whose ray meets another shape than in the target jumps, and no
+    derivative predicts it. Residuals that the linear model leaves far above the others therefore get Geman-McClure
+    weights. Filtered pixels do not jump. Standard deviations use the residuals left, or ``tol`` where that is larger.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> target = sr.truth("metal", size=(24, 12))
+    >>> start = sr.load("metal").replace({"lights.key.intensity": (50.0, 50.0, 50.0)})
+    >>> found = sr.fit(start, target, ["lights.key.intensity"])
+    >>> found.converged
+    True
     """
     here = load_any(scene)
     names = components(here, free)

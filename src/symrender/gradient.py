@@ -55,25 +55,75 @@ def gradient(
     insecure_cluster: bool = False,
     progress: Progress | None = None,
 ) -> Gradients:
-    """Derivative of every pixel in every real number of ``wrt``, by dotted name; a vector gives its components.
+    """Differentiate the image of ``truth`` by real numbers of the scene, boundary terms included.
 
-    Each image has the layers ``direct`` and ``gloss`` (h, w, 3), the derivatives of those layers of ``truth``,
-    ``radiance``, that of the whole; ``error`` (h, w), the estimated largest absolute error of ``radiance`` over the
-    channels; ``status`` as in ``STATUS``; ``hit_class``. Units are scene radiance over the parameter's unit, and
-    ``tol`` is absolute in them. The value of a pixel is that of the ray through its centre: where that ray itself
-    passes from one shape, one shadow or one field of a texture to the next, the image jumps, and the derivative is
-    that of the side it is on. All edges inside a lobe contribute.
-    Of a radiometric scene the layers are ``emitted``, ``direct``, ``indirect`` (zero with ``bounces: 0``),
-    ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
-    so are their derivatives: no edge inside the pixel contributes, all edges that bounced light sees do. ``error`` is
-    how far roundings could have moved one, and with ``bounces: 1`` what the rules of bounced light may miss.
-    With ``filter="box"``, of scenes of both kinds, they are those of the means over pixels, silhouettes, shadows and
-    textures that move across them included, and ``error`` is what rules differ by. ``gloss`` is then weighed by the
-    lobes' weights, as it is in ``truth``.
-    Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
-    parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
-    or where the scene changes its structure, Unsupported for a wall the method does not cover.
-    Keywords are many because each is an option of ``symrender gradient``, by its name.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    wrt : sequence of str
+        Dotted names of real numbers; a vector stands for its components.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    tol : float
+        Absolute error asked, in radiance over the parameter's unit.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
+    aa : {"analytic", "none"}
+        Filter the floor's checker over the pixel, or read it at the centre (scenes in units of the series).
+    budget : int
+        Most evaluations for the value of a pixel; its derivatives together may take four times as many.
+    filter : {"centre", "box", "tent", "gaussian", "mitchell"}
+        What a pixel is: the ray through its centre, or the weighted mean over a square about it.
+    filter_radius : float
+        Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    threads : int
+        Worker threads; 0 takes the processors of this process. The result does not depend on it.
+    tile : int
+        Side of a tile in pixels; 0 measures one. The result does not depend on it.
+    cluster : str
+        ``"local:N"``, ``"tls://host:port"`` or ``"tcp://host:port"`` of a dask scheduler; empty for threads.
+    insecure_cluster : bool
+        Allow ``tcp://`` to another machine, whose network is then trusted.
+    progress : callable, optional
+        Called with finished and total work.
+
+    Returns
+    -------
+    Gradients
+        A dict from the parameter's name to an image. Its layers are the derivatives of those of ``truth``, ``error``
+        (h, w), the estimated largest absolute error of ``radiance`` over the channels, ``status`` as in ``STATUS``,
+        and ``hit_class``.
+
+    Raises
+    ------
+    SceneError
+        A name is not a real number, or the scene changes its structure at this value.
+    OptionError
+        An argument is out of range.
+    Unsupported
+        The method does not cover the scene or the parameter.
+
+    See Also
+    --------
+    hessian : Second derivatives.
+    fit : Find numbers of a scene from an image.
+
+    Notes
+    -----
+    Derivatives of a lobe's integral contain the boundary terms of all discontinuities inside the lobe: the jump of the
+    integrand across each, times the speed at which it moves, by the implicit function theorem. With
+    ``filter="centre"`` the derivative of a pixel is that of what its ray meets; an edge inside the pixel contributes
+    with ``filter="box"`` and wider filters.
+    Keywords are many because each is an option of ``symrender gradient``.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> name = "materials.gold05.alpha"
+    >>> slopes = sr.gradient("metal", [name], size=(4, 3))
+    >>> sorted(slopes) == [name] and not slopes[name].layer("status").any()
+    True
     """
     loaded = load_any(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, filter=filter)

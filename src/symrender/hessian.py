@@ -42,11 +42,16 @@ J/4 of the step, of which extrapolation leaves at least .6; either side's second
 
 @dataclass(frozen=True)
 class Hessian:
-    """Second derivatives in Q parameters ``names``.
+    """Second derivatives by Q parameters.
 
-    ``values`` (Q, Q, ..., 3), symmetric in the first two axes; ``error`` (Q, Q, ...) the estimated largest absolute
-    error over the channels, infinite where there is no finite derivative. ``...`` is N for points and rays, (h, w) for
-    an image.
+    Attributes
+    ----------
+    names : tuple of str
+        The parameters.
+    values : ndarray
+        (Q, Q, ..., 3), symmetric in the first two axes; ``...`` is N for points and rays, (h, w) for an image.
+    error : ndarray
+        Estimated largest absolute error over the channels, (Q, Q, ...); infinite without a finite derivative.
     """
 
     names: tuple[str, ...]
@@ -77,20 +82,65 @@ def hessian(
     filter: Filter = "centre",
     filter_radius: float = 0.0,
 ) -> Hessian:
-    """Second derivatives of ``probe`` at ``points`` of ``surface`` or along ``rays``, or of ``truth`` at ``size``.
+    """Compute second derivatives of ``probe`` at points or along rays, or of ``truth`` at a size.
 
-    Of ``truth`` they are those of the radiance; ``points`` are for scenes in units of the series, ``rays`` for
-    radiometric ones, and stand still whatever the camera does.
-    Each column is a central difference of exact gradients, whose structure is found anew on both sides, extrapolated
-    over halved steps (C. J. F. Ridders, Advances in Engineering Software 4, 1982,
-    doi:10.1016/S0141-1195(82)80057-0); the step of least estimated error is taken point by point, so an event inside
-    a larger step only costs that step. Values and slopes on both sides must have the middle ones as their mean, by the
-    same extrapolation: what they miss is stated, so that an event between the smallest steps, or at the very value, is
-    told by an infinite ``error``.
-    ``filter`` and ``filter_radius``, for an image, are what its pixels are, as for ``truth``; of means ``tol`` is asked
-    for in vain where ``gradient`` does not reach it, and what its gradients state is in ``error``.
-    ``tol`` is the gradients' own. Choose it for single points and small images: it takes eighteen gradients a
-    parameter and more. Raises Unsupported for a parameter at the end of its range.
+    Use it for single points and small images: it takes eighteen gradients a parameter and more.
+
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    wrt : sequence of str
+        Dotted names of real numbers; a vector stands for its components.
+    points : array_like, optional
+        Points of a surface, as for ``probe`` (scenes in units of the series).
+    rays : (origins, directions), optional
+        Rays through a radiometric scene, (N, 3) each.
+    surface : str
+        The surface of the points.
+    size : int or (int, int), optional
+        Size of an image, instead of points or rays.
+    tol : float
+        Absolute error asked of the gradients.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
+    filter : {"centre", "box", "tent", "gaussian", "mitchell"}
+        What a pixel is: the ray through its centre, or the weighted mean over a square about it.
+    filter_radius : float
+        Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+
+    Returns
+    -------
+    Hessian
+        Values (Q, Q, ..., 3) and errors (Q, Q, ...).
+
+    Raises
+    ------
+    OptionError
+        Not exactly one of points, rays and size is given, or a filter without a size.
+    SceneError
+        A name is not a real number.
+    Unsupported
+        A parameter is at the end of its range.
+
+    See Also
+    --------
+    gradient : First derivatives.
+
+    Notes
+    -----
+    Each column is a central difference of exact gradients, extrapolated over halved steps (C. J. F. Ridders, Advances
+    in Engineering Software 4, 1982, doi:10.1016/S0141-1195(82)80057-0). The step of least estimated error is taken
+    point by point. Values and slopes on both sides must have the middle ones as their mean, by the same extrapolation;
+    their deviation is part of ``error``, which is infinite where the second derivative does not exist.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> name = "materials.gold05.alpha"
+    >>> curve = sr.hessian("metal", [name], rays=([0, -9.5, 3.1], [0, 9.5, -2.5]))
+    >>> curve.values.shape
+    (1, 1, 1, 3)
     """
     loaded = load_any(scene)
     names = components(loaded, wrt)

@@ -45,16 +45,28 @@ _SLOPES: Final = ("gradient", "error", "status")
 
 @dataclass(frozen=True)
 class Probe:
-    """The lobe integral of N points.
+    """Lobe integrals of N points.
 
-    ``gloss`` (N, 3): the lobe integral in the units ``convention`` (``lobe_average``: mean radiance under the lobe),
-    without the lobe's weight, scene units. ``error`` (N,): estimated
-    largest absolute error over the channels. ``evaluations`` (N,): shaded hits. ``status`` (N,): 0 met, 1 capped,
-    2 near-tangent, 3 unsupported (no value). ``chambers``, ``crossings`` (N,): different chambers and walls met.
-    ``gradient``: parameter's name -> (N, 3), derivative of ``gloss`` in it; ``gradient_error``: name -> (N,), the
-    estimated largest absolute error over the channels; ``gradient_status``: name -> (N,), as ``status``, or 4 where
-    walls coincide at this very value and the derivative is that of one side.
-    ``enclosures``: proved bounds of every point, where they were asked for.
+    Attributes
+    ----------
+    gloss : ndarray
+        Lobe integral without the lobe's weight, (N, 3), in the units ``convention``.
+    error : ndarray
+        Estimated largest absolute error over the channels, (N,).
+    evaluations, chambers, crossings : ndarray
+        Shaded hits, smooth regions and discontinuities met, (N,).
+    status : ndarray
+        0 met, 1 capped, 2 near-tangent, 3 unsupported (no value), (N,).
+    gradient : mapping of str to ndarray
+        Derivative of ``gloss`` by each parameter, (N, 3).
+    gradient_error : mapping of str to ndarray
+        Estimated largest absolute error of a derivative, (N,).
+    gradient_status : mapping of str to ndarray
+        As ``status``; 4 where the derivative differs between both sides of the value.
+    enclosures : tuple of Enclosure
+        Proved bounds of every point, if asked for.
+    convention : str
+        ``lobe_average`` or ``brdf_normalised``.
     """
 
     gloss: Array
@@ -115,20 +127,62 @@ def probe(
     certify: bool = False,
     threads: int = 0,
 ) -> Probe | RayProbe:
-    """The lobe integral gloss(P) at points of ``surface``, ``floor`` or ``spheres.NAME``, seen from the camera's eye.
+    """Compute single values: lobe integrals at points, or radiance along rays.
 
-    ``points``: (N, 2) or (N, 3) positions on the floor z = 0, or (N, 3) unit outward normals of the sphere, where
-    they face the eye. ``tol``: absolute, in scene units of radiance. ``disk``: ``KxK`` replaces a disk light by its
-    centroids. ``budget``: most evaluations a point, of a value; its derivatives together may take four times as many,
-    and a quarter of that more above a checker. ``wrt``: dotted names of real numbers of the scene, or of vectors (all
-    their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
-    normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
-    ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
-    ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
-    ``rays``: instead of points, ``(origins, directions)`` of rays through a radiometric scene, (N, 3) each; what comes
-    back along them is a ``RayProbe``. A ray's answer is its own: neither order nor number of the rays changes a bit.
-    With ``wrt`` their derivatives too, at the place that a ray, which stands still, meets.
-    Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    points : array_like, optional
+        Points of a scene in units of the series: (N, 2) or (N, 3) on the floor, (N, 2) in the texture coordinates of a
+        plane, or (N, 3) unit outward normals of a sphere. They must face the eye; visibility is not tested.
+    rays : (origins, directions), optional
+        Rays through a radiometric scene, (N, 3) each, instead of points.
+    surface : str
+        ``"floor"``, ``"spheres.NAME"`` or ``"planes.NAME"``: the surface of the points.
+    tol : float
+        Absolute error asked of values and derivatives.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
+    budget : int
+        Most evaluations for a value; its derivatives together may take four times as many.
+    wrt : sequence of str
+        Dotted names of real numbers to differentiate by. Floor points and rays stay fixed; a point of a sphere keeps
+        its normal.
+    certify : bool
+        Also enclose each value by ball arithmetic (points of the floor; point lights or ``KxK``).
+    threads : int
+        Worker threads; 0 takes the processors of this process. The result does not depend on it.
+
+    Returns
+    -------
+    Probe or RayProbe
+        Values with errors and statuses: of points a ``Probe``, of rays a ``RayProbe``.
+
+    Raises
+    ------
+    SceneError
+        The surface has no lobe, or a name is not a real number.
+    OptionError
+        A point is not on the surface or faces away.
+    Unsupported
+        The method does not cover the scene.
+
+    See Also
+    --------
+    truth : An image of such values.
+
+    Notes
+    -----
+    A lobe average is int f(w) cos^n(theta) dw / int cos^n(theta) dw over the cone about the mirror direction, where f
+    is 0 below the horizon. The result of a ray does not depend on the other rays.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> seen = sr.probe("metal", rays=([0, -9.5, 3.1], [0, 9.5, -2.5]))
+    >>> int(seen.status[0]), bool(seen.error[0] < 1e-9)
+    (0, True)
     """
     if rays is not None:
         return _along(load_any(scene), rays, points, float(tol), budget, wrt, certify, threads)

@@ -40,14 +40,28 @@ def at_once(run: Callable[[slice], T], count: int) -> list[T]:
 
 @dataclass(frozen=True)
 class RayProbe:
-    """What comes back along N rays, W/(m2 sr).
+    """Radiance along N rays, W/(m2 sr).
 
-    ``radiance`` (N, 3) is ``emitted`` + ``direct`` + ``indirect``. ``error`` (N,): estimated largest absolute error of
-    radiance over the channels. ``status`` (N,): 0 met, 1 capped (the error is above the tolerance), 2 near-tangent,
-    3 unsupported. ``shape`` names what is met, "nothing" where that is nothing; ``evaluations`` (N,) counts rays and
-    shaded hits. ``gradient``: parameter's name -> (N, 3), derivative of ``radiance`` in it; ``gradient_error``: name ->
-    (N,), the estimated largest absolute error over the channels; ``gradient_status``: name -> (N,), as ``status``, or 4
-    where walls coincide at this very value and the derivative is that of one side.
+    Attributes
+    ----------
+    radiance : ndarray
+        ``emitted`` + ``direct`` + ``indirect``, (N, 3).
+    emitted, direct, indirect : ndarray
+        The parts of the radiance, (N, 3).
+    error : ndarray
+        Estimated largest absolute error over the channels, (N,).
+    status : ndarray
+        0 met, 1 capped, 2 near-tangent, 3 unsupported, (N,).
+    shape : tuple of str
+        Name of the shape hit, or ``"nothing"``.
+    evaluations : ndarray
+        Rays and shaded hits, (N,).
+    gradient : mapping of str to ndarray
+        Derivative of ``radiance`` by each parameter, (N, 3).
+    gradient_error : mapping of str to ndarray
+        Estimated largest absolute error of a derivative, (N,).
+    gradient_status : mapping of str to ndarray
+        As ``status``; 4 where the derivative differs between both sides of the value.
     """
 
     radiance: Array

@@ -67,7 +67,17 @@ Finished = Callable[[str, Image], None]
 
 @dataclass(frozen=True)
 class Pair:
-    """Both images of one scene, either None when not asked for, and their ledger."""
+    """Both images of one scene and their comparison.
+
+    Attributes
+    ----------
+    numeric : Image or None
+        The image of the path tracer, if asked for.
+    symbolic : Image or None
+        The image of the symbolic pipeline, if asked for.
+    ledger : Ledger
+        Cost, differences and lobe widths.
+    """
 
     numeric: Image | None
     symbolic: Image | None
@@ -115,30 +125,95 @@ def render(
     cluster: str = "",
     insecure_cluster: bool = False,
 ) -> Pair:
-    """Render ``scene`` numerically and symbolically and compare.
+    """Render a scene by sampling and by quadrature, and compare the two images.
 
-    ``scene``: a gallery name, a path, a dict or a Scene. ``size``: N or (width, height) in pixels. ``lobe``: K of
-    K x K directions a lobe. ``numeric``: sampler of the conventional side, or ``none``. ``symbolic``: ``strata``,
-    ``chambers`` (split at the walls, to ``tol`` in radiance or ``budget`` evaluations a pixel; the image has the
-    layers of ``truth``) or ``none``. ``weights``, ``nodes``, ``partition``: the strata rule
-    (``quadrature/strata.py``). ``normalised``: divide by the closed-form integral of the weight, not by the sum of
-    weights met. ``disk``: the K x K centroids rule of disk lights, the same on both sides, or ``exact`` (sampled
-    without bias by the numeric side, integrated by ``chambers``, refused by ``strata``). ``aa``: filter the floor
-    texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers. ``threads``:
-    0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
-    one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
-    (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made, or ``tev`` to see it
-    there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
-    ``filter``, ``filter_radius``: what a pixel of a radiometric scene is, as in ``truth``, on both sides.
+    Use it for quick images and to compare estimators. Its images carry no error estimate, except with
+    ``symbolic="chambers"``.
 
-    Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
-    (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
-    numeric side traces ``lobe`` squared paths a pixel, which draw directions for a sky and for bounces (``importance``
-    by the material alone, else by light and material), the symbolic side is that of ``truth``, to ``tol``, whatever
-    rule is asked for.
-    Raises SceneError, OptionError, Unsupported, and NonFiniteError naming the pixels.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    lobe : int
+        K of the K x K directions of a lobe; the path tracer draws K x K paths a pixel.
+    numeric : {"jittered", "independent", "importance", "sobol", "none"}
+        Sampler of the path tracer, or none.
+    normalised : bool
+        Divide by the closed-form integral of the weight instead of the sum of the sampled weights.
+    symbolic : {"strata", "chambers", "none"}
+        Rule of the symbolic pipeline: fixed strata, the split rule of ``truth``, or none.
+    weights : {"exact", "midpoint"}
+        Weights of the strata.
+    nodes : {"midpoint", "barycentre", "gauss"}
+        Direction of a stratum.
+    partition : {"equal_angle", "equal_solid_angle", "equal_weight"}
+        How the lobe is divided into rings.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points on both sides; ``"exact"`` is sampled by the path tracer,
+        integrated by ``chambers`` and refused by ``strata``.
+    aa : {"analytic", "none"}
+        Filter the floor's checker over the pixel, or read it at the centre (scenes in units of the series).
+    tol : float
+        Absolute error asked of ``chambers``, and of the symbolic image of a radiometric scene.
+    budget : int
+        Most evaluations for a pixel.
+    silhouettes : int
+        K of the K x K points averaged in pixels next to another shape; 1 is the centre alone.
+    filter : {"centre", "box", "tent", "gaussian", "mitchell"}
+        What a pixel is: the ray through its centre, or the weighted mean over a square about it.
+    filter_radius : float
+        Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    seed : int
+        Seed of the samplers.
+    threads : int
+        Worker threads; 0 takes the processors of this process. The result does not depend on it.
+    tile : int
+        Side of a tile in pixels; 0 measures one. The result does not depend on it.
+    max_pixels : int, optional
+        Allow larger images than the limit.
+    progress : callable, optional
+        Called with finished and total work.
+    preview : str or path, optional
+        PNG file that shows the image while it is made, or ``"tev"``.
+    cluster : str
+        ``"local:N"``, ``"tls://host:port"`` or ``"tcp://host:port"`` of a dask scheduler; empty for threads.
+    insecure_cluster : bool
+        Allow ``tcp://`` to another machine, whose network is then trusted.
 
-    Keywords are many because each is an option of ``symrender render``, by its name.
+    Returns
+    -------
+    Pair
+        ``numeric`` and ``symbolic``, images with layers as those of ``truth``, and their ``ledger``.
+
+    Raises
+    ------
+    SceneError
+        The scene is wrong.
+    OptionError
+        An argument is out of range.
+    Unsupported
+        The method does not cover the scene.
+    NonFiniteError
+        A pixel is not a number; the message names it.
+
+    See Also
+    --------
+    truth : The same light with an error for every pixel.
+
+    Notes
+    -----
+    The two pipelines share no formula. Where both read the radiance along the same rays, as in the layer ``direct``,
+    they must agree to rounding. The symbolic image of a radiometric scene is that of ``truth``.
+    Keywords are many because each is an option of ``symrender render``.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> pair = sr.render("gloss", size=(16, 12))
+    >>> pair.ledger.comparisons["direct"].whole.relative_rmse < 1e-12
+    True
     """
     loaded = load_any(scene)
     width, height = image_size(size)

@@ -53,30 +53,84 @@ def truth(
     progress: Progress | None = None,
     preview: str | Path | None = None,
 ) -> Image:
-    """Image of ``scene`` with an ``error`` and a ``status`` layer.
+    """Render a reference image, every pixel with an error estimate and a status.
 
-    ``tol`` is absolute, in scene units of radiance, and asked of every pixel's radiance. Layers: ``radiance`` =
-    ``direct`` + (lobe weight) ``gloss``, of a filter by its weight already; ``hit_class``; ``error`` (h, w), the
-    estimated largest absolute error of radiance over the channels; ``status`` (h, w) as in ``STATUS``;
-    ``evaluations``, ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel
-    that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
-    centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
-    lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
-    leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
-    centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG file that shows the image
-    while it is made, or ``tev`` to see it there. ``verify`` is a share of the pixels, drawn at random, that brute
-    force makes again (``verify.py``); what it says is the metadata ``verified``.
+    Use it for images that are to be trusted or compared with; ``render`` is faster and has no error estimate.
 
-    A radiometric scene has layers ``radiance`` = ``emitted`` + ``direct`` + ``indirect`` in W/(m2 sr), ``hit_class``
-    (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
-    what rounding may have done; ``bounces: 1`` is split at the walls like gloss. ``disk``, ``aa`` and ``counts`` have
-    no say. ``filter``: ``centre``, the radiance along the ray through a pixel's centre, where textures are read too,
-    or ``box``, the mean over its area, cut at every edge in it (``docs/pixels.md``), ``tent``, ``gaussian`` or
-    ``mitchell`` one weighed over ``filter_radius`` pixels to every side, 0 the filter's own; ``hit_class`` is the
-    centre's. With an ``aperture`` of the camera or a ``shutter`` it is the mean over these too (``docs/exposure.md``).
-    Choose truth whenever an image is to be
-    trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
-    its name.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    tol : float
+        Absolute error asked of the radiance of every pixel, in scene units or W/(m2 sr).
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
+    aa : {"analytic", "none"}
+        Filter the floor's checker over the pixel, or read it at the centre (scenes in units of the series).
+    budget : int
+        Most evaluations for a pixel.
+    counts : bool
+        Count smooth regions and discontinuities; without, lattice rules may be used at loose tolerances.
+    silhouettes : int
+        K of the K x K points averaged in pixels next to another shape; 1 is the centre alone.
+    filter : {"centre", "box", "tent", "gaussian", "mitchell"}
+        What a pixel is: the ray through its centre, or the weighted mean over a square about it.
+    filter_radius : float
+        Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    threads : int
+        Worker threads; 0 takes the processors of this process. The result does not depend on it.
+    tile : int
+        Side of a tile in pixels; 0 measures one. The result does not depend on it.
+    cluster : str
+        ``"local:N"``, ``"tls://host:port"`` or ``"tcp://host:port"`` of a dask scheduler; empty for threads.
+    insecure_cluster : bool
+        Allow ``tcp://`` to another machine, whose network is then trusted.
+    verify : float
+        Share of the pixels, 0 to 1, that the path tracer renders again; the result is the metadata ``verified``.
+    progress : callable, optional
+        Called with finished and total work.
+    preview : str or path, optional
+        PNG file that shows the image while it is made, or ``"tev"``.
+
+    Returns
+    -------
+    Image
+        Layers of shape (h, w, 3): ``radiance`` = ``direct`` + lobe weight times ``gloss``, or, of a radiometric scene,
+        ``emitted`` + ``direct`` + ``indirect``. Layers of shape (h, w): ``hit_class``; ``error``, the estimated largest
+        absolute error over the channels; ``status``, as in ``STATUS``; ``evaluations``, ``chambers``, ``crossings``.
+
+    Raises
+    ------
+    SceneError
+        The scene is wrong.
+    OptionError
+        An argument is out of range.
+    Unsupported
+        The method does not cover the scene; the message names what.
+    NonFiniteError
+        A pixel is not a number; the message names it.
+
+    See Also
+    --------
+    probe : Single points or rays.
+    gradient : Derivatives of this image.
+
+    Notes
+    -----
+    The integrand of a lobe is cut at its discontinuities (silhouettes, shadow edges, terminators, texture edges, the
+    horizon and the rim), and each smooth piece is integrated by Gauss rules that are refined until the error estimate
+    meets ``tol``. A pixel that misses it keeps its value and its error. Direct light of a radiometric scene is a
+    closed form; its error is the effect of rounding.
+    Keywords are many because each is an option of ``symrender truth``.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> image = sr.truth("metal", size=(4, 3), tol=1e-6)
+    >>> bool((image.layer("status") == 0).all() and image.layer("error").max() < 1e-6)
+    True
     """
     loaded = load_any(scene)
     settings = split_settings(

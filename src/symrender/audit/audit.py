@@ -58,19 +58,73 @@ def audit(
     filter: Filter = "centre",
     threads: int = 0,
 ) -> Verdict:
-    """Judge ``renders`` of ``scene``: one image with second moments or variances, or K >= 8 of K seeds.
+    """Test whether renders of a scene are correct, at a stated level.
 
-    ``truth`` is an image of ours or a file of one; without it the truth is rendered, to ``tol`` (0: a twentieth of the
-    standard error of the image's mean). ``samples`` a pixel, where one render is given; ``noise_free`` says that it
-    has no noise. ``level`` is the chance that a right render fails, all tests together: half for the signed means of
-    regions and the scale, half for single pixels, each by Holm. ``sequential`` looks after 8, 16, 32 ... images of an
-    iterable and stops at the first decision, which may be a power that sees the relative bias ``visible``. After a
-    failure, or where ``wrt`` names parameters, ``explain`` seeks what would explain it.
-    With ``derivative``, the dotted name of a number of the scene, ``renders`` are images of the derivative in it, and
-    the truth is that of ``gradient``: of what the ray through a pixel's centre meets. ``filter`` is what a pixel of the
-    renders is, its ``centre``'s ray or the mean over its ``box``; a truth that is given says it itself.
-    Raises ``ImageError`` and ``OptionError`` for what cannot be judged. Keywords are many because each is an option of
-    ``symrender audit``, by its name.
+    Parameters
+    ----------
+    renders : image, path, or iterable of these
+        One image with second moments or variances, one without noise, or 8 to 1024 images that differ in their seed.
+    scene : str, path, mapping or scene
+        Name of a gallery scene, file, dict with the keys of a file, or a loaded scene.
+    truth : Image or path, optional
+        The reference; without it one is rendered.
+    samples : int
+        Samples a pixel of a single render with moments or variances.
+    noise_free : bool
+        The single render has no noise.
+    sequential : bool
+        Look after 8, 16, 32 ... images of an iterable, and stop at the first decision.
+    visible : float
+        Relative bias of the whole image that a sequential pass must be able to detect.
+    level : float
+        Probability that a correct render fails, 1e-12 to 0.5, all tests together.
+    wrt : sequence of str
+        Dotted names of parameters that explanations try first, also after a pass.
+    explain : bool
+        Look for explanations of a failure.
+    tol : float
+        Tolerance of a rendered reference; 0 is a twentieth of the standard error of the image's mean.
+    derivative : str
+        Dotted name of a number: the renders are images of the derivative by it.
+    filter : {"centre", "box"}
+        What a pixel of the renders is; a given reference states it itself.
+    threads : int
+        Worker threads; 0 takes the processors of this process.
+
+    Returns
+    -------
+    Verdict
+        Outcome, tests of regions, scale and pixels, explanations, and maps.
+
+    Raises
+    ------
+    ImageError
+        A render cannot be judged: NaN, another size, another scene.
+    OptionError
+        An argument is out of range.
+    Unsupported
+        The reference does not cover the scene.
+
+    See Also
+    --------
+    compare : Difference of two images without a test.
+
+    Notes
+    -----
+    Half of ``level`` goes to signed means of regions and the scale of the image, half to single pixels, each by Holm's
+    method (doi:10.2307/4615733). The error stated by the reference is allowed for in every test. Looks of a sequential
+    audit have the level divided by 2, 4, 8 ... (Bonferroni).
+    Keywords are many because each is an option of ``symrender audit``.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> true = sr.truth("interreflection", size=(24, 16), tol=1e-4)
+    >>> images = [
+    ...     sr.render("interreflection", size=(24, 16), lobe=4, symbolic="none", seed=k).numeric for k in range(8)
+    ... ]
+    >>> sr.audit(images, "interreflection", truth=true).passed
+    True
     """
     if not 1e-12 <= level <= 0.5:
         raise OptionError(f"level: must be 1e-12 to 0.5, got {level:g}")

@@ -99,12 +99,36 @@ class Explanation:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """The outcome of an audit at family-wise ``level``.
+    """Outcome of an audit.
 
-    ``passed`` says that no test failed; ``tests`` are the scale of the whole image and ``regions`` the signed means;
-    ``pixels`` every pixel by itself; ``attribution`` what would explain a failure, best first; ``maps`` the images
-    ``difference``, ``z``, ``error`` (h, w, c) and ``rejected``, ``discovered`` (h, w); ``notes`` what a reader must
-    know. ``looks`` counts the interim looks of a sequential audit (1 without), ``samples`` those used.
+    Attributes
+    ----------
+    passed : bool
+        Whether no test failed.
+    level : float
+        Family-wise level.
+    scene, scene_hash : str
+        Name and hash of the scene.
+    source : str
+        Where the variance comes from.
+    samples : int
+        Samples or seeds used.
+    size : (int, int)
+        Width and height.
+    tests : tuple of Finding
+        The scale of the whole image.
+    regions : tuple of Finding
+        Signed means of the regions.
+    pixels : PixelTest
+        The test of single pixels.
+    attribution : tuple of Explanation
+        Possible explanations, best first.
+    notes : tuple of str
+        Restrictions of the audit.
+    looks : int
+        Interim looks of a sequential audit, 1 without.
+    maps : mapping of str to ndarray
+        ``difference``, ``z``, ``error`` (h, w, c) and ``rejected``, ``discovered`` (h, w).
     """
 
     passed: bool

@@ -35,18 +35,47 @@ def export(
 def export(
     scene: Source, form: str = "glsl", path: str | PathLike[str] | None = None, *, force: bool = True, **options: Any
 ) -> Exported | Carried:
-    """``scene`` as another renderer takes it, written to ``path`` if there is one, and returned.
+    """Write a scene for another renderer: its formulas in GLSL, or the scene for Mitsuba 3 or pbrt-v4.
 
-    ``"glsl"``, of a scene in units of the series: its formulas in GLSL ES 3.00 (``text``), with ``lobe`` x ``lobe``
-    directions listed for every lobe (4), and ``vectors`` that prove what each function returns; they are written
-    beside the text, ``scene.vectors.json`` for ``scene.glsl``.
-    ``"mitsuba"``, of a radiometric scene: a folder with ``scene.xml``, a program ``run.py`` that renders it, and a
-    receipt; options are ``size``, ``samples``, ``scale``, ``center``, ``rays``, ``reach`` and ``calibration`` of
-    :func:`symrender.bridge.mitsuba.mitsuba`. ``"pbrt"``, with the same options: a folder with ``scene.pbrt``, or a
-    grey file for each channel, a program and a receipt (:func:`symrender.bridge.pbrt.pbrt`).
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        In units of the series for GLSL, radiometric for Mitsuba and pbrt.
+    form : {"glsl", "mitsuba", "pbrt"}
+        What is written.
+    path : str or path, optional
+        File (GLSL) or folder that is written.
+    force : bool
+        Replace existing files.
+    **options : dict
+        For GLSL ``lobe``; for the others ``size``, ``samples``, ``scale``, ``center``, ``rays``, ``reach`` and
+        ``calibration``, as on the command line.
 
-    Raises ``OptionError`` for another form or option and without python-flint for GLSL, ``Unsupported`` for what the
-    other renderer cannot state, and ``OutputError`` where a file cannot be written, or exists and ``force`` is false.
+    Returns
+    -------
+    Exported or Carried
+        The texts, with test vectors (GLSL) or a receipt.
+
+    Raises
+    ------
+    OptionError
+        The form or an option does not exist, or python-flint is missing for GLSL.
+    Unsupported
+        The other renderer cannot state the scene.
+    OutputError
+        A file cannot be written, or exists and ``force`` is false.
+
+    Notes
+    -----
+    GLSL ES 3.00 comes with vectors whose true results are enclosed by ball arithmetic. Mitsuba and pbrt get a program
+    that renders the scene and keeps moments, as ``audit`` reads them.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> made = sr.export("metal", "mitsuba", size=(64, 32), rays="centre")
+    >>> sorted(made.files)
+    ['receipt.json', 'run.py', 'scene.xml']
     """
     if form not in FORMS:
         raise OptionError(f"form: must be one of {', '.join(FORMS)}, got {form!r}")

@@ -226,10 +226,35 @@ class Integrand:
 
 
 def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int = 2) -> Integrand:
-    """The integrand of the lobe of ``surface``: ``floor``, ``spheres.NAME`` or ``planes.NAME``.
+    """Return the integrand of a surface's glossy reflection as an expression.
 
-    ``scene``: a gallery name, a path, a dict or a Scene. Disk lights stand as the centroids of ``disk_order`` x
-    ``disk_order`` strata. Raises SceneError where the surface does not exist or has no lobe.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    surface : str
+        ``"floor"``, ``"spheres.NAME"`` or ``"planes.NAME"``.
+    disk_order : int
+        K of the K x K points that stand for a disk light.
+
+    Returns
+    -------
+    Integrand
+        It prints, differentiates (``diff``), and evaluates to any number of digits (``evaluate``).
+
+    Raises
+    ------
+    SceneError
+        The surface does not exist or has no lobe.
+    Unsupported
+        The scene is radiometric.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> held = sr.expression("gloss", surface="floor")
+    >>> len(held.evaluate((0.3, -2.2), ("0.05", "0.6", "0.2"), digits=40))
+    3
     """
     from symrender.scene.load import load
 

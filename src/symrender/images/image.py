@@ -217,13 +217,29 @@ class Image:
 
 
 def read_image(path: str | Path, *, max_pixels: int = MAX_PIXELS) -> Image:
-    """Read an EXR, PNG or NPZ, ours or another program's; radiance comes back linear.
+    """Read an EXR, PNG or NPZ file of any program; radiance is linear.
 
-    EXR channels R, G, B (or Y) become ``radiance``, ``name.R`` ``.G`` ``.B`` become ``name``, any other channel a
-    (h, w) layer. A PNG is decoded from sRGB (no colour profile is applied); it is a picture clipped to [0, 1] and
-    rounded to 8 bits, not a measurement. The size in the header is checked against ``max_pixels`` before anything
-    is decoded. NaN is kept. An EXR has the size of its display window; what its data window lacks is NaN, and colours
-    of other primaries are converted to sRGB. Raises ``ImageError``; deep EXR and those of several parts are refused.
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    max_pixels : int
+        Refuse larger images, judged by the header.
+
+    Returns
+    -------
+    Image
+        EXR channels R, G, B (or Y) become ``radiance``, ``name.R`` ``.G`` ``.B`` become ``name``, and any other
+        channel a layer (h, w).
+
+    Raises
+    ------
+    ImageError
+        The file cannot be read.
+
+    Notes
+    -----
+    A PNG is decoded from sRGB without a colour profile. It is clipped to [0, 1] and rounded to 8 bits. NaN is kept.
     """
     source = Path(path)
     decode = _READERS.get(source.suffix.lower())

@@ -129,12 +129,51 @@ def compare(
     max_abs: float | None = None,
     max_flips: int | None = None,
 ) -> Comparison:
-    """Judge ``b`` (test) against ``a`` (reference), both an ``Image``, an array or the path of an image file.
+    """Compare a test image with a reference.
 
-    Values are linear and unclipped. ``mask`` (h, w) selects pixels. Thresholds fail the comparison when exceeded;
-    without any, every difference does. Raises ``ImageError``, naming the reason, when the two cannot be compared:
-    a NaN or infinity, different sizes, a missing layer, different channel counts; never does such a pair pass, and
-    nothing is padded with zeros.
+    Parameters
+    ----------
+    a : Image, array or path
+        The reference.
+    b : Image, array or path
+        The test, of the same size.
+    layer : str
+        The layer compared.
+    mask : ndarray, optional
+        Pixels compared, (h, w).
+    max_relative_rmse : float, optional
+        Largest allowed RMS difference over the RMS of the reference.
+    max_abs : float, optional
+        Largest allowed difference.
+    max_flips : int, optional
+        Most allowed pixels with different hit classes.
+
+    Returns
+    -------
+    Comparison
+        Differences over all pixels and over the interior, the score of a black image, the share of pixels inside the
+        reference's error, and the reasons of a failure.
+
+    Raises
+    ------
+    ImageError
+        The images cannot be compared: NaN or infinity, different sizes or channels, a missing layer.
+
+    See Also
+    --------
+    audit : A test with a stated level.
+
+    Notes
+    -----
+    Values are linear and unclipped. Without thresholds every difference is a failure.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import symrender as sr
+    >>> white = np.ones((2, 2, 3))
+    >>> float(sr.compare(white, 0.5 * white).whole.relative_rmse)
+    0.5
     """
     _check_thresholds(max_relative_rmse, max_abs, max_flips)
     names = _name(a, "reference"), _name(b, "test")

@@ -68,12 +68,52 @@ def report(
     progress: Progress | None = None,
     finished: Finished | None = None,
 ) -> Report:
-    """Both pictures of ``scene`` beside the truth, as one offline page, written to ``path`` if one is given.
+    """Draw a scene by sampling and by quadrature with the reference, as one offline HTML page.
 
-    ``size`` shrinks until the truth, to ``tol`` a pixel, should take at most ``seconds``. ``estimators``: ``best``
-    follow the lobe, ``chapter`` are the source chapter's. ``silhouettes``: K of the K x K points whose mean a pixel
-    beside another shape is. ``finished(name, image)`` is told ``numeric``, ``symbolic`` and ``truth`` as they stand.
-    The rest is as in ``render``. Keywords are many because each is an option of ``symrender demo``, by its name.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    path : str or path, optional
+        File that is written.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    seconds : float
+        The size shrinks until the reference should take at most so long.
+    tol : float
+        Absolute error asked of the reference.
+    lobe : int
+        K of the K x K directions of a lobe.
+    estimators : {"best", "chapter"}
+        Estimators that follow the lobe, or the source chapter's.
+    silhouettes : int
+        K of the K x K points averaged in pixels next to another shape.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+    threads : int
+        Worker threads; 0 takes the processors of this process.
+    progress : callable, optional
+        Called with finished and total work.
+    finished : callable, optional
+        Called with the name and image of ``numeric``, ``symbolic`` and ``truth`` as each is complete.
+
+    Returns
+    -------
+    Report
+        The page; it is shown in a notebook.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    Unsupported
+        The scene is radiometric.
+
+    Notes
+    -----
+    Keywords are many because each is an option of ``symrender demo``.
     """
     loaded = load(scene, "report")
     settings = demo_settings(size, lobe, estimators, silhouettes, disk, seed, threads)

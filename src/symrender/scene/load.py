@@ -113,16 +113,35 @@ def _load_file(path: str) -> AnyScene:
 
 
 def load_any(source: Source) -> AnyScene:
-    """The scene ``source`` names or holds, a ``Scene`` in units of the series or a ``RadiometricScene``.
+    """Load and validate a scene.
 
-    A text that is the name of a gallery scene (``"gloss"``) is that scene, ``"-"`` is YAML from standard input, any
-    other text and every path object is a file, read as YAML, JSON or TOML by its ending, or as a scene of Mitsuba 3
-    (.xml) or of pbrt-v4 (.pbrt), of which all that a radiometric scene cannot say is refused with its line. A mapping
-    is a scene with the keys of a file, and a scene is returned as it is.
+    Parameters
+    ----------
+    source : str, path, mapping or scene
+        Name of a gallery scene; file in YAML, TOML or JSON by its ending; a scene of Mitsuba 3 (``.xml``) or pbrt-v4
+        (``.pbrt``); ``"-"`` for YAML from standard input; dict with the keys of a file; or a loaded scene.
 
-    Raises SceneError: ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
-    lines of their own. Files are refused beyond 2 MiB, 32 levels or 100000 keys and items, and YAML beyond plain data
-    (tags, anchors, aliases, merge keys, several documents); numbers are those of YAML 1.2, all of them finite.
+    Returns
+    -------
+    Scene or RadiometricScene
+        The scene, frozen; ``replace`` changes numbers by dotted name.
+
+    Raises
+    ------
+    SceneError
+        ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; further faults follow, one a line.
+
+    Notes
+    -----
+    Files are refused beyond 2 MiB, 32 levels or 100,000 keys and items, and YAML beyond plain data (tags, anchors,
+    aliases, merge keys, several documents). Numbers are those of YAML 1.2, and finite.
+
+    Examples
+    --------
+    >>> import symrender as sr
+    >>> scene = sr.load("gloss").replace({"floor.lobe.exponent": 64})
+    >>> scene.floor.lobe.exponent
+    64.0
     """
     if isinstance(source, Scene | RadiometricScene):
         return source

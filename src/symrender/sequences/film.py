@@ -37,12 +37,56 @@ def animate(
     force: bool = False,
     progress: Progress | None = None,
 ) -> list[dict[str, Any]]:
-    """Draw ``scene`` as a value changes (``over``) or as the camera goes round (``orbit``); one row of figures a frame.
+    """Draw a scene as a value changes or as the camera turns about its target.
 
-    ``over``: ``"floor.lobe.exponent=8:512:24:log"``, 24 values from 8 to 512, a frame each. ``orbit``: frames of one
-    turn. ``folder`` receives the frames as PNG and, unless ``video`` is ``none``, a film of ``rate`` frames a second
-    (extra ``video``). The estimators follow the lobe. The rest is as in ``render``. Keywords are many because each is
-    an option of ``symrender animate``, by its name.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    folder : str or path
+        Folder that receives the frames as PNG, and the film.
+    over : str
+        ``"floor.lobe.exponent=8:512:24:log"``: 24 values from 8 to 512, a frame each.
+    orbit : int
+        Frames of one turn of the camera, instead of ``over``.
+    pipeline : {"symbolic", "numeric"}
+        Which renderer draws.
+    size : (int, int) or int
+        Width and height in pixels.
+    lobe : int
+        K of the K x K directions of a lobe.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+    silhouettes : int
+        K of the K x K points averaged in pixels next to another shape.
+    video : {"mp4", "webm", "none"}
+        Format of the film (extra ``video``).
+    rate : float
+        Frames a second.
+    threads : int
+        Worker threads; 0 takes the processors of this process.
+    force : bool
+        Replace existing files.
+    progress : callable, optional
+        Called with finished and total work.
+
+    Returns
+    -------
+    list of dict
+        One row of figures a frame.
+
+    Raises
+    ------
+    OptionError
+        An argument is out of range, or the extra is missing.
+    OutputError
+        A file cannot be written.
+
+    Notes
+    -----
+    Keywords are many because each is an option of ``symrender animate``.
     """
     if bool(over) == bool(orbit):
         raise OptionError("over, orbit: give exactly one of them")

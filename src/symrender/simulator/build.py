@@ -86,13 +86,30 @@ class Simulator:
 
 
 def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | None = None) -> Simulator:
-    """Compile ``scene`` to one offline HTML page, and write it to ``path`` if one is given.
+    """Compile a scene to one offline HTML page with live estimators.
 
-    The page opens from the file system and inside a frame. It draws by WebGL 2 with float targets; where a browser has
-    none it draws by JavaScript, slowly, and without JavaScript it holds a picture. Raises
-    ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres, ``MAX_SIMULATOR_PLANES`` planes, ``MAX_SIMULATOR_LOBES``
-    surfaces or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk counts four) and for lobes in BRDF units, and
-    ``OutputError`` when the file cannot be written.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    path : str or path, optional
+        File that is written.
+
+    Returns
+    -------
+    Simulator
+        The page; it is shown in a notebook.
+
+    Raises
+    ------
+    Unsupported
+        The scene exceeds the limits of a page, is radiometric or has lobes in BRDF units.
+    OutputError
+        The file cannot be written.
+
+    Notes
+    -----
+    The page draws by WebGL 2 with float targets, else by JavaScript, slowly.
     """
     chosen = load(scene, "simulator")
     made = simulator_page(chosen)

@@ -31,12 +31,35 @@ def anchor(
     disk: str = "2x2",
     seed: int = 7,
 ) -> Study:
-    """Distance of the floor's gloss to its mirror image, over pixels whose mirror ray sees something lit.
+    """Measure how the floor's gloss approaches its mirror image as the exponent grows.
 
-    Far from every wall the distance falls as 1/n (slope -1 in log n): the radiance's Laplacian times the lobe's
-    variance. Pixels whose mirror ray passes within a few lobe widths of a wall close more slowly; they are the
-    upper percentiles and the RMS. A sampler of N = K^2 points leaves the line where its noise 1/(N sqrt n) passes 1/n,
-    near n = N^2. Raises OptionError where nothing is lit, and for a scene whose floor has no lobe.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    exponents : sequence of float
+        Exponents n of the lobe.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+
+    Returns
+    -------
+    Study
+        Percentiles of the distance and their slopes in log n.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
+
+    Notes
+    -----
+    Far from discontinuities the distance falls as 1/n: the Laplacian of the radiance times the variance of the lobe.
+    A sampler of N points leaves this line where its noise 1/(N sqrt n) passes 1/n, near n = N^2.
     """
     if len(exponents) < 2 or any(not 1 <= n <= 1e12 for n in exponents):
         raise OptionError(f"exponents: must be at least two numbers from 1 to 1e12, got {list(exponents)!r}")

@@ -46,14 +46,50 @@ def budget(
     pixels: int = 96,
     fine: int = 128,
 ) -> Study:
-    """Error of the strata rule split by cause over ``pixels`` pixels drawn from those with a lobe.
+    """Split the error of the strata rule by cause.
 
-    Every cell is integrated on ``fine`` rings of the lobe by ``fine`` sectors, each ray labelled with its side of
-    every wall. A cell's error goes to the walls that cross it, in proportion to the jump of radiance met along each;
-    to ``no wall`` where none does; what an inexact weight adds goes to ``weight``. ``share``: covariance of a cause's
-    error with the measured one over its mean square, so shares add up to 1 less what does not close. ``if cut``:
-    relative RMSE that would be left without that cause. ``sole``: part of the cause's absolute error in cells no other
-    wall crosses. Raises OptionError for Gauss nodes, which have no cells, and where nothing can be measured.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    lobe : int
+        K of the K x K strata.
+    weights : {"exact", "midpoint"}
+        Weights of the strata.
+    nodes : {"midpoint", "barycentre"}
+        Direction of a stratum.
+    partition : {"equal_angle", "equal_solid_angle", "equal_weight"}
+        How the lobe is divided into rings.
+    normalised : bool
+        Divide by the closed-form integral of the weight.
+    surface : {"floor", "all"}
+        Whose lobes are judged.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+    pixels : int
+        Pixels drawn from those with a lobe.
+    fine : int
+        Rings and sectors by which every cell is integrated.
+
+    Returns
+    -------
+    Study
+        Tables of the error by cause.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
+
+    Notes
+    -----
+    A cell's error goes to the discontinuities that cross it, in proportion to the jump of radiance along each.
+    ``share`` is the covariance of a cause's error with the measured one over its mean square. ``if cut`` is the
+    relative RMSE without that cause, ``sole`` its part in cells that no other discontinuity crosses.
     """
     if nodes == "gauss":
         raise OptionError("nodes: 'gauss' has no cells whose error could be told apart, choose midpoint or barycentre")

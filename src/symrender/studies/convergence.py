@@ -86,13 +86,46 @@ def convergence(
     repeats: int = 3,
     progress: Progress | None = None,
 ) -> Convergence:
-    """Judge ``estimators`` on the gloss layer of ``scene`` against truth that is none of them.
+    """Measure the error of estimators against their cost.
 
-    ``lobes``: K of the K x K directions of strata and samples. ``tolerances``: of the split rule, relative to the RMS
-    of the signal. The truth is the split rule at the finest tolerance over ``TIGHTER``; its own error widens every
-    measured error to an interval. ``repeats``: interleaved timings of each point. Orders are fitted, with 95 %
-    intervals, over the points whose relative error is below .5 and five times above the truth's own.
-    Raises OptionError for options out of range and for a scene on which nothing can be measured.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    estimators : sequence of str
+        Names of the estimators.
+    lobes : sequence of int
+        K of the K x K directions of strata and samples.
+    tolerances : sequence of float
+        Tolerances of the split rule, relative to the RMS of the signal.
+    surface : {"floor", "all"}
+        Whose lobes are judged.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+    repeats : int
+        Interleaved timings of each point.
+    progress : callable, optional
+        Called with finished and total work.
+
+    Returns
+    -------
+    Convergence
+        Tables of errors and fitted orders.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
+
+    Notes
+    -----
+    The reference is the split rule at a tighter tolerance than any judged; its own error widens each error to an
+    interval. Orders are fitted with 95 % intervals over points with relative error below 0.5 and five times above the
+    reference's.
     """
     judged = chosen(estimators)
     _check(lobes, tolerances, repeats)

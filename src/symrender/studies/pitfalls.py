@@ -35,10 +35,30 @@ def pitfalls(
     disk: str = "2x2",
     seed: int = 7,
 ) -> Study:
-    """Horizon, crossings, starvation, the ratio estimator's bias, and clipping before an error is measured.
+    """Measure the common pitfalls of sampling a lobe.
 
-    All on the floor's lobes of ``scene``; choose one whose lobes reach below the horizon (gallery ``grazing``) to see
-    the first. Raises OptionError where nothing can be measured.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    lobes : sequence of int
+        K of the K x K directions.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+
+    Returns
+    -------
+    Study
+        Tables: horizon, crossings, starvation, bias of the ratio estimator, clipping.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
     """
     if not lobes:
         raise OptionError("lobes: must hold at least one K, got none")

@@ -31,11 +31,34 @@ def timing(
     seed: int = 7,
     repeats: int = 7,
 ) -> Study:
-    """Processor seconds of one thread for the whole image, direct light included, median of interleaved runs.
+    """Measure processor time against the number of directions.
 
-    An evaluation is a direction weighed, also one known to see nothing without a look. Weights are computed once an
-    image, so exact ones should cost what midpoint ones do: the second table is their ratio. Compilation is not timed.
-    Raises OptionError for options out of range and where no pixel shows a lobe.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    lobes : sequence of int
+        K of the K x K directions.
+    surface : {"floor", "all"}
+        Whose lobes are judged.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+    seed : int
+        Seed of the samplers.
+    repeats : int
+        Interleaved runs, of which the median is taken.
+
+    Returns
+    -------
+    Study
+        Seconds of one thread for the whole image, and their ratios.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
     """
     if not lobes or type(repeats) is not int or repeats < 1:
         raise OptionError(f"lobes, repeats: need at least one of each, got {list(lobes)!r} and {repeats!r}")

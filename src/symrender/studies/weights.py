@@ -33,13 +33,32 @@ def weights(
     partition: Partition = "equal_angle",
     disk: str = "2x2",
 ) -> Study:
-    """Relative RMSE of the gloss term for each K, beside the error of the sum of the weights.
+    """Compare exact with midpoint weights of strata.
 
-    Two subjects: ``scene``, whose walls cross its lobes, and a smooth one, in which every lobe looks at the inside of
-    one great solid sphere's side and meets no wall, which the truth confirms by counting crossings. ``midpoint``
-    divides by its own sum as the source chapter does, ``midpoint, normalised`` by the closed form. Exact weights take
-    away the error of the sum and nothing else: they decide where no wall does.
-    Raises OptionError for options out of range and for a scene on which nothing can be measured.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    size : int or (int, int)
+        Width and height in pixels; a single number is a square.
+    lobes : sequence of int
+        K of the K x K strata.
+    surface : {"floor", "all"}
+        Whose lobes are judged.
+    partition : {"equal_angle", "equal_solid_angle", "equal_weight"}
+        How the lobe is divided into rings.
+    disk : str
+        ``"KxK"`` replaces a disk light by K x K points.
+
+    Returns
+    -------
+    Study
+        Tables for the scene and for a smooth one without discontinuities in its lobes.
+
+    Raises
+    ------
+    OptionError
+        An option is out of range, or the scene has nothing to measure.
     """
     if not lobes:
         raise OptionError("lobes: must hold at least one K, got none")

@@ -26,15 +26,33 @@ def explore(
     tonemap: Tonemap = "clip",
     **options: Any,
 ) -> Any:
-    """A notebook widget: the picture of ``scene`` over sliders of its numbers, drawn anew as they move.
+    """Show a scene in a notebook with sliders for its numbers.
 
-    ``sliders``: dotted names, or names with the ends of their sliders, ``{"floor.lobe.exponent": (8, 512)}``; without
-    any the exponents of its lobes. ``options`` are those of ``render``; without any the symbolic estimator that
-    follows the lobe is drawn. While a slider moves the picture is as coarse as keeps pace, at rest ``size`` pixels.
-    The widget's ``scene`` and ``image`` are those it shows; its trait ``asked``, ``{"values": {name: number},
-    "moving": False}``, moves it from Python. A value no scene may have is said under the picture, which stays.
+    Parameters
+    ----------
+    scene : str, path, mapping or scene
+        A scene in units of the series.
+    sliders : sequence of str or mapping
+        Dotted names, or names with the ends of their sliders, ``{"floor.lobe.exponent": (8, 512)}``; by default the
+        exponents of the lobes.
+    size : int
+        Side of the image at rest in pixels; it is coarser while a slider moves.
+    exposure : float
+        Stops by which the image is brightened.
+    tonemap : {"clip", "reinhard", "aces"}
+        Display of values above 1.
+    **options : dict
+        Options of ``render``; by default the symbolic estimator that follows the lobe.
 
-    Raises OptionError without the extra ``widget``, and for a name that is no number of the scene.
+    Returns
+    -------
+    Explore
+        The widget; ``scene`` and ``image`` are those shown. Its trait ``asked`` sets values from Python.
+
+    Raises
+    ------
+    OptionError
+        The extra ``widget`` is missing, or a name is not a number of the scene.
     """
     kind = _widget_class()
     return kind(Drawing(load(scene, "explore"), sliders, size, options), exposure, tonemap)
