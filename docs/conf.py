@@ -13,7 +13,7 @@ author = "the symrender authors"
 copyright = author
 release = version = VERSION
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton", "sphinx_design"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "sphinx_design"]
 exclude_patterns = ["_build", "_extra", "laboratory/README.md"]
 root_doc = "index"
 nitpicky = False
@@ -45,12 +45,16 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
+napoleon_google_docstring = False
+napoleon_use_rtype = False
 
 
 def _plain(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Docstrings are prose with literals: what stands outside of them is no markup."""
     for k, line in enumerate(lines):
         line = re.sub(r":(?:func|class|meth):`~?(.*?)`", r"``\1``", line)
+        if line.lstrip().startswith(">>>") or (set(line.strip()) == {"-"}):
+            continue
         pieces = re.split(r"(``.*?``)", line)
         lines[k] = "".join(p if p.startswith("``") else re.sub(r"([*|_`])", r"\\\1", p) for p in pieces)
 
@@ -81,5 +85,6 @@ def _accessible(app: Any, exception: Exception | None) -> None:
 def setup(app: Any) -> None:
     """Called by Sphinx."""
     app.connect("autodoc-process-signature", _no_signature_of_a_scene)
-    app.connect("autodoc-process-docstring", _plain)
+    # before napoleon reads the sections
+    app.connect("autodoc-process-docstring", _plain, priority=400)
     app.connect("build-finished", _accessible)

@@ -39,11 +39,11 @@ def main() -> None:
         if sys.argv[1:] and path.stem not in sys.argv[1:]:
             continue
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as programs:
-            # the command line of this interpreter, whatever the shell finds
-            script = Path(programs) / "symrender"
-            script.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m symrender "$@"\n', "utf-8")
-            script.chmod(0o755)
-            (Path(programs) / "python").symlink_to(sys.executable)
+            # the command line and the interpreter of this environment, whatever the shell finds
+            for name, words in (("symrender", "-m symrender"), ("python", "")):
+                script = Path(programs) / name
+                script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {words} "$@"\n', "utf-8")
+                script.chmod(0o755)
 
             def step(found: re.Match[str], folder: str = folder, programs: str = programs) -> str:
                 print(found["command"].strip(), file=sys.stderr, flush=True)
