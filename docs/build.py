@@ -30,7 +30,7 @@ def main() -> None:
     EXTRA.mkdir(exist_ok=True)
     made = {
         DOCS / "laboratory" / "README.md": ("lab", "--execute", "-o", str(DOCS / "laboratory")),
-        EXTRA / "simulator.html": ("simulator", "gloss", "-o", str(EXTRA / "simulator.html")),
+        EXTRA / "live.html": ("simulator", "gloss", "-o", str(EXTRA / "live.html")),
         EXTRA / "chapter8.html": ("chapter", "-o", str(EXTRA / "chapter8.html")),
     }
     for path, arguments in made.items():
