@@ -1,10 +1,12 @@
-"""Documents keep their promises: links lead somewhere, named files exist, scenes in them load, code in them runs."""
+"""Pages are true: links lead somewhere, named files exist, scenes load, code runs, generated tables are current."""
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import struct
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 import yaml
@@ -110,3 +112,41 @@ def test_what_is_measured_is_not_typed() -> None:
     for page in pages:
         prose = re.sub(r"`[^`]*`", "", FENCED.sub("", RUN.sub("", FRONT.sub("", page.read_text("utf-8")))))
         assert not [line for line in prose.splitlines() if figure.search(line.replace("Python 3.11", ""))], page
+
+
+def program(name: str) -> ModuleType:
+    """A program of docs/, imported by its path."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+def test_measurements_are_as_generated() -> None:
+    drawn = program("draw_measurements")
+    made = drawn.page(drawn.RESULTS.read_text("utf-8"))
+    assert made.count("| met |") > 100 and "MISSED" in made
+    assert drawn.PAGE.read_text("utf-8") == made
+
+
+def test_the_support_matrix_holds() -> None:
+    """Every blank cell is refused today, and every scene has direct light; other ticks ask ``docs/draw_support.py``."""
+    drawn = program("draw_support")
+    page = (ROOT / "docs" / "support.md").read_text("utf-8")
+    region = re.search(drawn.REGION.format("support: radiometric"), page, re.DOTALL)
+    assert region
+    rows = [line.strip("|").split("|") for line in region[0].splitlines()[2:]]
+    table = {row[0].strip(): [cell.strip() for cell in row[1:]] for row in rows}
+    assert list(table) == list(drawn.RADIOMETRIC)
+    blank = 0
+    for name, cells in table.items():
+        for cell, (verb, ask) in zip(cells, drawn.PHYSICAL_VERBS.items(), strict=True):
+            if cell != drawn.YES or verb == "direct light":
+                blank += cell != drawn.YES
+                assert bool(ask(drawn.RADIOMETRIC[name])) == (cell != drawn.YES), (name, verb)
+    assert blank > 20
+    ticks = page.count(drawn.YES)
+    readme = re.search(drawn.REGION.format("support"), (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    assert readme and readme[0].replace("|", "").replace(" ", "") == region[0].replace("|", "").replace(" ", "")
+    assert ticks > 100

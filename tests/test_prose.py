@@ -19,7 +19,7 @@ PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob
 WORDS, SENTENCES, CELL = 40, 5, 25
 """Most words of a sentence, sentences of a paragraph, words of a table cell."""
 README_WORDS = 450
-CEILING = 380
+CEILING = 355
 """Idioms in docstrings and literals of ``src/``: lower it as code is renamed, never raise it."""
 BANNED = {
     r"told|tells? of|telling of": "reported, stated, says",
