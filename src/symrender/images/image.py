@@ -240,6 +240,8 @@ def read_image(path: str | Path, *, max_pixels: int = MAX_PIXELS) -> Image:
     Notes
     -----
     A PNG is decoded from sRGB without a colour profile. It is clipped to [0, 1] and rounded to 8 bits. NaN is kept.
+    An EXR has the size of its display window; pixels that its data window lacks are NaN. Colours of other primaries
+    are converted to sRGB. Deep EXR files and those of several parts are refused.
     """
     source = Path(path)
     decode = _READERS.get(source.suffix.lower())
