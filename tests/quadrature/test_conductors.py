@@ -12,13 +12,13 @@ import pytest
 import symrender as sr
 from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
 from symrender.errors import Unsupported
+from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric, values
 from symrender.quadrature.background import directional_albedo
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.quadrature.split_scratch import split_work
-from symrender.radiometric.slopes import pushed_module
 from symrender.scene.arrays import SceneArrays, scene_arrays
 
 from .half_vector import Rough, albedo, fresnel, reflected
@@ -236,14 +236,25 @@ def test_a_background_is_what_nothing_hides_of_the_directional_albedo() -> None:
 
 def test_slope_of_reflectance_at_total_reflection() -> None:
     """By cosine and eta nothing changes while all is reflected; a first trace of absorption is felt at once."""
-    slope = pushed_module().conductor_fresnel_dot
+    kernel = compiled(_fill_reflectance)
+
+    def reflectance(*given: complex) -> complex:
+        """Reflectance, and as imaginary part its derivative along the imaginary parts."""
+        found = np.zeros(1, np.complex128)
+        kernel(np.array(given, np.complex128), found)
+        return complex(found[0])
+
     for cosine, eta in ((0.3, 0.25), (0.5, 0.6), (0.05, 0.9)):
-        assert slope(cosine, eta, 0.0, 1.0, 0.0, 0.0) == pytest.approx((1.0, 0.0), abs=1e-14)
-        assert slope(cosine, eta, 0.0, 0.0, 1.0, 0.0) == pytest.approx((1.0, 0.0), abs=1e-14)
+        assert reflectance(cosine + 1j, eta, 0.0) == pytest.approx(1.0, abs=1e-14)
+        assert reflectance(cosine, eta + 1j, 0.0) == pytest.approx(1.0, abs=1e-14)
         step = 1e-6
         by_difference = (radiometric.conductor_fresnel(cosine, eta, step) - 1.0) / step
         assert by_difference < -0.1
-        assert slope(cosine, eta, step, 0.0, 0.0, 1.0)[1] == pytest.approx(by_difference, rel=1e-4)
+        assert reflectance(cosine, eta, step + 1j).imag == pytest.approx(by_difference, rel=1e-4)
+
+
+def _fill_reflectance(given: Array, found: Array) -> None:
+    found[0] = radiometric.conductor_fresnel(given[0], given[1], given[2])
 
 
 def test_what_is_not_integrated_is_refused_by_name() -> None:

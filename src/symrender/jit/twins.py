@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.jit.call import racked
 from symrender.jit.racks import Rack
-from symrender.jit.records import in_lines
+from symrender.jit.records import R, Table, columns, flat, in_lines, table
 
 
 def moving_layout(layout: np.dtype[Any]) -> np.dtype[Any]:
@@ -56,3 +56,11 @@ def _fill(target: npt.NDArray[Any], values: npt.NDArray[Any], tangents: npt.NDAr
     for name in values.dtype.names or ():
         part = None if tangents is None else np.asarray(tangents[name])
         _fill(target[name], np.asarray(values[name]), part)
+
+
+def parted(rows: Any, kind: type[R]) -> tuple[Table[R], Table[R]]:
+    """Values and tangents of a table that ``moving`` made of records of ``kind``, which hold float64 alone."""
+    numbers = rows.view(np.complex128).reshape(len(rows), columns(kind))
+    values, tangents = table(kind, len(rows)), table(kind, len(rows))
+    flat(values)[:], flat(tangents)[:] = numbers.real, numbers.imag
+    return values, tangents

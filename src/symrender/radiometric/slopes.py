@@ -1,23 +1,20 @@
-"""How a radiometric world moves with a parameter, and the kernel that pushes an image forward."""
+"""Derivatives of the records that the kernels of a radiometric image read, by a parameter of the scene."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 from functools import lru_cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from symrender.jit.compiled import compiled
-from symrender.jit.generated import load_module
 from symrender.jit.records import copied, flat, grid, record, table
-from symrender.leaves import radiometric as leaves
+from symrender.jit.twins import moving, parted
 from symrender.radiometric import pieces, tile
 from symrender.radiometric.bounds import Bound, laid_bounds
 from symrender.radiometric.pieces import Piece, piece_count
-from symrender.radiometric.pushforward import pushed
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, World
 from symrender.scene.arrays import PLANE
@@ -26,17 +23,6 @@ from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, laid_out, plane_record
 from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.records import Camera, Frame, Plane
-
-
-@lru_cache(maxsize=1)
-def pushed_text() -> str:
-    """Text of the kernels ``fill_tile_dot`` and ``fill_rays_dot``, of what lays out pieces, of what turns a camera."""
-    return pushed((tile.fill_tile, tile.fill_rays, pieces.lay_pieces, leaves.perspective_axes))
-
-
-def pushed_module() -> ModuleType:
-    """The module that ``pushed_text`` is the text of."""
-    return load_module(pushed_text())
 
 
 def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
@@ -59,9 +45,9 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
     places = table(Frame, len(shapes))
     for j, shape in enumerate(arrays.shapes):
         if shape.kind in (PLANE, DISK) and flat(shapes)[j].any():
-            moving = grid(Plane, 1, 1)
-            moving[0][0] = plane_record(shapes[j])[0]
-            places[j] = frame_moves(plane_record(shape), moving)[0, 0]
+            turns = grid(Plane, 1, 1)
+            turns[0][0] = plane_record(shapes[j])[0]
+            places[j] = frame_moves(plane_record(shape), turns)[0, 0]
     for i, light in enumerate(arrays.lights):
         if light.kind == DIRECTIONAL:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
@@ -93,26 +79,34 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
 
 def world_moves(arrays: RadiometricArrays, moves: RadiometricArrays) -> World:
     """How the world of a scene moves with its records."""
-    laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
-    _pieces_kernel()(arrays.shapes, arrays.facets, arrays.frames, laid, moves.shapes, moves.facets, moves.frames, moved)
+    laid = moving(table(Piece, piece_count(arrays.shapes)))
+    pairs = ("shapes", "facets", "frames")
+    _pieces_kernel()(*(moving(getattr(arrays, name), getattr(moves, name)) for name in pairs), laid)
+    still, moved = parted(laid, Piece)
     # where bounds lie has no part in a value: they stand still
     level = np.zeros((len(moves.lights), len(moved)))
-    return World(moves.materials, moves.terms, moved, moves.lights, table(Bound, len(laid_bounds(laid))), level)
+    return World(moves.materials, moves.terms, moved, moves.lights, table(Bound, len(laid_bounds(still))), level)
 
 
 @lru_cache(maxsize=1)
 def _pieces_kernel() -> Any:
-    """The pushed kernel that lays out pieces."""
-    return compiled(pushed_module().lay_pieces_dot, sources=[pushed_text()], _nrt=False)
+    """Compiled function that lays out pieces."""
+    return compiled(pieces.lay_pieces, _nrt=False)
 
 
 def window_moves(camera: Camera, moves: Camera, width: int, height: int) -> Array:
     """How ``camera_window`` moves."""
-    given = (*camera.eye, *camera.target, *camera.up, *moves.eye, *moves.target, *moves.up)
-    axes, turns = pushed_module().perspective_axes_dot(*map(float, given))
+    axes = np.zeros((3, 3), np.complex128)
+    _axes_kernel()(*(moving(getattr(camera, name), getattr(moves, name)) for name in ("eye", "target", "up")), axes)
     half = math.tan(math.radians(float(camera.fov)) / 2)
     wider = (1.0 + half * half) * math.radians(float(moves.fov)) / 2
-    rows, turned_rows = np.array(axes).reshape(3, 3), np.array(turns).reshape(3, 3)
+    rows, turned_rows = axes.real, axes.imag.copy()
     aspect = np.array([[width / height], [1.0]])
     turned_rows[1:] = aspect * (half * turned_rows[1:] + wider * rows[1:])
     return turned_rows
+
+
+@lru_cache(maxsize=1)
+def _axes_kernel() -> Any:
+    """Compiled function that turns a camera."""
+    return compiled(tile.fill_axes, _nrt=False)

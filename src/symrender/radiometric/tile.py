@@ -8,7 +8,7 @@ from symrender.radiometric.arcs import Room
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.reflection import reflectance
 from symrender.radiometric.sight import nearest
-from symrender.radiometric.vectors import Array
+from symrender.radiometric.vectors import Array, vector
 from symrender.radiometric.world import World
 
 
@@ -20,6 +20,14 @@ def pixel_ray(window: Array, width: int, height: int, i: int, j: int) -> tuple[f
     b = 1.0 - (2.0 * j + 1.0) / height
     x, y, z = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
     return x, y, z
+
+
+def fill_axes(eye: Array, target: Array, up: Array, axes: Array) -> None:
+    """Fill ``axes`` (3, 3) with the unit vectors forward, right and up of a camera."""
+    fx, fy, fz, rx, ry, rz, ux, uy, uz = leaves.perspective_axes(*vector(eye), *vector(target), *vector(up))
+    axes[0, 0], axes[0, 1], axes[0, 2] = fx, fy, fz
+    axes[1, 0], axes[1, 1], axes[1, 2] = rx, ry, rz
+    axes[2, 0], axes[2, 1], axes[2, 2] = ux, uy, uz
 
 
 def fill_tile(

@@ -22,8 +22,8 @@ from symrender.errors import Unsupported
 from symrender.jit.call import racked
 from symrender.jit.compiled import compiled
 from symrender.jit.racks import Rack
-from symrender.jit.records import Table, column, columns, copied, flat, grid, table
-from symrender.jit.twins import moving
+from symrender.jit.records import Table, column, copied, flat, grid, table
+from symrender.jit.twins import moving, parted
 from symrender.leaves.values import brdf_scale, log_rim
 from symrender.quadrature.fall_off import glow_bound
 from symrender.quadrature.light_points import light_rows
@@ -247,10 +247,7 @@ def _moving_cones(
     rows = moving(table(Cone, most_cones(part.spheres, lights)))
     count = np.zeros(1, np.int64)
     _cones_kernel()(spheres, points, glowing, rows, count)
-    numbers = rows.view(np.complex128).reshape(len(rows), columns(Cone))[: count[0]]
-    cones, moves = table(Cone, int(count[0])), table(Cone, int(count[0]))
-    flat(cones)[:], flat(moves)[:] = numbers.real, numbers.imag
-    return cones, moves
+    return parted(rows[: count[0]], Cone)
 
 
 def half_difference(one: Any, other: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,7 @@ import numpy.typing as npt
 from symrender.adjoint.direct import direct_gradients
 from symrender.adjoint.lights import lights_leaving
 from symrender.adjoint.point import BUDGET, SlopeScene, gloss_gradients, refuse_unknown, slope_scene
-from symrender.jit.records import copied
+from symrender.jit.twins import moving
 from symrender.quadrature.split_point import gloss_at
 from symrender.quadrature.split_scene import alike
 from symrender.quadrature.split_scratch import split_work
@@ -22,7 +23,7 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
-from symrender.scene.moves import Move, scene_moves
+from symrender.scene.moves import Move, SceneMoves, scene_moves
 from symrender.settings import Settings
 
 _PLACES = ("place", "normal", "incoming")
@@ -56,10 +57,22 @@ class _Seen:
         place, normal, incoming = (self.found[name][pixels] for name in _PLACES)
         return place, normal, incoming
 
-    def moving(self, pixels: Pixels) -> tuple[Array, Array, Array]:
-        """How these move, (parameters, pixels, 3) each."""
+    def slopes_at(self, pixels: Pixels) -> tuple[Array, Array, Array]:
+        """Their derivatives, (parameters, pixels, 3) each."""
         place, normal, incoming = (self.slopes[name][:, pixels[0], pixels[1]] for name in _PLACES)
         return place, normal, incoming
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """What the kernels read of a scene, with its tangents by one parameter.
+
+    ``shapes`` are camera, axes of the camera, eye, spheres, floor and planes.
+    """
+
+    shapes: tuple[Any, ...]
+    points: Any
+    shading: Any
 
 
 class Slopes:
@@ -85,28 +98,16 @@ class Slopes:
         self.weight_moves = shows * np.concatenate(own, axis=1)
         self.lobed = (self.weights > 0) | (self.weight_moves != 0).any(axis=0)
         self.groups = alike(np.vstack([self.weights, self.weight_moves]))
-        with numba.emitting("tangent"):
+        with numba.emitting("seen"):
             _compile(self.ready, settings, bool(self.lobed.any()), self.disks)
-        text = numba.emitted("tangent")
-        self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
-        self.places = numba.kernel(text, "places_dot")
-        self.points = np.hstack([self.lights["position"][points], self.lights["color"][points]])
+        text = numba.emitted("seen")
+        self.sight, self.hits, self.places = (numba.kernel(text, name) for name in ("sight", "hits", "places"))
+        lights = np.hstack([self.lights["position"][points], self.lights["color"][points]])
         light_moves = self.ready.tangents.points
-        point_moves = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
-        self.point_moves = np.ascontiguousarray(point_moves)
+        rows = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
+        self.turning = [_turning(arrays, moved, q, moving(lights, rows[q]), text) for q in range(len(wrt))]
         self.one_sided = _leaving(self.ready)
-        self.axes, self.axes_moves = np.zeros(10), np.zeros((len(wrt), 10))
-        if arrays.camera.kind == at.LOOK_AT:
-            axes_kernel = numba.plain(text).camera_axes_dot
-            for q in range(len(wrt)):
-                axes_kernel(arrays.camera, moved.camera[q], self.axes, self.axes_moves[q])
-        self.planes, self.plane_moves = arrays.planes, copied(moved.planes)
-        for q in range(len(wrt)):
-            # both are made orthonormal in place
-            self.planes = copied(arrays.planes)
-            numba.plain(text).stand_planes_dot(self.planes, self.plane_moves[q])
         self.eye = np.ascontiguousarray(arrays.camera.eye)
-        self.eye_moves = np.ascontiguousarray(moved.camera["eye"])
         self.own = threading.local()
 
     def render(self, x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
@@ -137,45 +138,29 @@ class Slopes:
     def shown(self, columns: Array, rows: Array) -> tuple[Array, list[Array], list[Array]]:
         """What N places of the image show, in pixels: (hit class (N,), what rays meet, how it moves in the first
         parameter), each place, normal, incoming direction and direct light (N, 3) of points."""
-        count, settings, moved = len(columns), self.settings, self.moved
-        classes, spots = np.zeros((2, count)), np.ascontiguousarray(np.column_stack([columns, rows]))
-        found, slopes = ([np.zeros((count, 3)) for _ in range(4)] for _ in range(2))
+        count, settings, turning = len(columns), self.settings, self.turning[0]
+        classes, spots = np.zeros(count), np.ascontiguousarray(np.column_stack([columns, rows]))
+        found = np.zeros((4, count, 3), np.complex128)
         frame = np.array([0.0, 0.0, 0.0, 0.0, settings.width, settings.height, 0.0])
-        self.places(
-            spots, np.zeros_like(spots), frame, np.zeros_like(frame), self.arrays.camera, moved.camera[0],
-            self.axes, self.axes_moves[0], self.eye, self.eye_moves[0], self.arrays.spheres, moved.spheres[0],
-            self.arrays.floor, moved.floor[0], self.planes, self.plane_moves[0], self.points, self.point_moves[0],
-            self.arrays.shading, moved.shading[0], classes[0], classes[1],
-            *(array for pair in zip(found, slopes, strict=True) for array in pair),
-        )  # fmt: skip
-        return classes[0], found, slopes
+        self.places(spots, frame, *turning.shapes, turning.points, turning.shading, classes, *found)
+        return classes, [*np.ascontiguousarray(found.real)], [*np.ascontiguousarray(found.imag)]
 
     def _rays(self, x0: int, y0: int, x1: int, y1: int) -> _Seen:
         # a tile at the origin of its own small arrays: its pixels keep their places in the frame
-        shape, arrays, moved, settings = (y1, x1, 3), self.arrays, self.moved, self.settings
-        found = {name: np.zeros(shape) for name in _PLACES}
-        slopes = {name: np.zeros((len(self.names), *shape)) for name in (*_PLACES, "direct")}
-        direct, classes, class_slopes = np.zeros(shape), np.zeros(shape[:2]), np.zeros(shape[:2])
+        shape, settings = (y1, x1, 3), self.settings
+        names = (*_PLACES, "direct", *(("albedo",) if self.disks else ()))
+        found = {name: np.zeros(shape) for name in names}
+        slopes = {name: np.zeros((len(self.names), *shape)) for name in names}
+        classes = np.zeros(shape[:2])
         frame = np.array([x0, y0, x1, y1, settings.width, settings.height, float(settings.aa == "analytic")])
-        for q in range(len(self.names)):
-            self.sight(
-                frame, np.zeros_like(frame), arrays.camera, moved.camera[q], self.axes, self.axes_moves[q],
-                self.eye, self.eye_moves[q], arrays.spheres, moved.spheres[q], arrays.floor, moved.floor[q],
-                self.planes, self.plane_moves[q],
-                self.points, self.point_moves[q], arrays.shading, moved.shading[q], classes, class_slopes,
-                found["place"], slopes["place"][q], found["normal"], slopes["normal"][q], found["incoming"],
-                slopes["incoming"][q], direct, slopes["direct"][q],
-            )  # fmt: skip
-        if self.disks:
-            found["albedo"], slopes["albedo"] = np.zeros(shape), np.zeros((len(self.names), *shape))
-            for q in range(len(self.names)):
-                self.hits(
-                    frame, np.zeros_like(frame), arrays.camera, moved.camera[q], self.axes, self.axes_moves[q],
-                    self.eye, self.eye_moves[q], arrays.spheres, moved.spheres[q], arrays.floor, moved.floor[q],
-                    self.planes, self.plane_moves[q],
-                    classes, class_slopes, found["place"], slopes["place"][q], found["normal"], slopes["normal"][q],
-                    found["incoming"], slopes["incoming"][q], found["albedo"], slopes["albedo"][q],
-                )  # fmt: skip
+        for q, turning in enumerate(self.turning):
+            seen = {name: np.zeros(shape, np.complex128) for name in names}
+            places = [seen[name] for name in _PLACES]
+            self.sight(frame, *turning.shapes, turning.points, turning.shading, classes, *places, seen["direct"])
+            if self.disks:
+                self.hits(frame, *turning.shapes, classes, *places, seen["albedo"])
+            for name, values in seen.items():
+                found[name], slopes[name][q] = np.ascontiguousarray(values.real), values.imag
         return _Seen(classes, found, slopes)
 
     def _add_disks(self, rays: _Seen, pixels: Pixels, surfaces: Surfaces, layers: Mapping[str, Array]) -> None:
@@ -184,7 +169,7 @@ class Slopes:
         light, missed = direct_gradients(
             self.arrays, place, normal, incoming, surfaces, rays.found["albedo"][pixels],
             rays.slopes["albedo"][:, pixels[0], pixels[1]],
-            self.ready.at(rays.moving(pixels)),
+            self.ready.at(rays.slopes_at(pixels)),
             DIRECT_SHARE * self.settings.tol, (self.own.scratch.work, self.own.scratch.gauss),
         )  # fmt: skip
         for q, name in enumerate(self.names):
@@ -203,7 +188,7 @@ class Slopes:
         # where the weight moves, the value's error is a part of the derivative's
         share = aim if steepest == 0.0 else 0.5 * aim
         result = gloss_gradients(
-            self.ready, *places, surfaces, rays.moving(pixels), share / weight if weight > 0 else 1.0,
+            self.ready, *places, surfaces, rays.slopes_at(pixels), share / weight if weight > 0 else 1.0,
             BUDGET * settings.budget, self.own.scratch,
         )  # fmt: skip
         layers["evaluations"][pixels] = result.evaluations
@@ -223,6 +208,18 @@ class Slopes:
                     layers[f"error:{name}"][pixels] += abs(weight_moves[q]) * gloss.error
                     layers[f"status:{name}"][pixels] = np.maximum(layers[f"status:{name}"][pixels], value_status)
         return int(result.evaluations.sum())
+
+
+def _turning(arrays: SceneArrays, moved: SceneMoves, q: int, points: Any, text: str) -> _Turning:
+    camera, axes = moving(arrays.camera, moved.camera[q]), np.zeros(10, np.complex128)
+    if arrays.camera.kind == at.LOOK_AT:
+        numba.kernel(text, "camera_axes")(camera, axes)
+    planes = moving(arrays.planes, moved.planes[q])
+    # axes of planes are made orthonormal in place
+    numba.kernel(text, "stand_planes")(planes)
+    eye = moving(np.ascontiguousarray(arrays.camera.eye), moved.camera["eye"][q])
+    spheres, floor = moving(arrays.spheres, moved.spheres[q]), moving(arrays.floor, moved.floor[q])
+    return _Turning((camera, axes, eye, spheres, floor, planes), points, moving(arrays.shading, moved.shading[q]))
 
 
 def _leaving(ready: SlopeScene) -> npt.NDArray[np.bool_]:

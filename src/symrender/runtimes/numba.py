@@ -40,7 +40,7 @@ _SOURCES = (
 
 PROGRAMS: Final[Mapping[str, tuple[str, str]]] = {
     "image": ("symrender.kernel.assemble", "image_program"),
-    "tangent": ("symrender.kernel.tangent_sight", "tangent_program"),
+    "seen": ("symrender.kernel.seen", "seen_program"),
 }
 """What makes the program of every text: a module and its function."""
 

@@ -10,8 +10,10 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.jit.compiled import compiled
+from symrender.jit.twins import moving
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
+from symrender.radiometric.pixels import walls
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import moved_by, seen_moves
 from symrender.radiometric.vectors import Array
@@ -20,7 +22,7 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.part_rules import Rules
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Places
 from symrender.runtimes.pixels import DOMAINS, check_pixels, eye_of
-from symrender.runtimes.speeds import Beside, Speeds, pushed_light
+from symrender.runtimes.speeds import Beside, Speeds, moving_light
 from symrender.runtimes.swept_pixels import Beginning, SweptRule
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -51,7 +53,7 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     canvas = Canvas(eye, view.window, width, height, settings.reach, eye.bright, False)
     beginning, rules = Beginning(), {}
     for move in wrt:
-        speeds = Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings)
+        speeds = Speeds.of(eye, view, seen_moves(arrays, move, width, height), walls.list_walls, settings)
         rule = DirectRule(canvas, _CHANNELS, speeds, beginning, _beside(arrays, speeds, move))
         rules[move[0]] = rule, _look(speeds)
 
@@ -79,7 +81,7 @@ def _look(speeds: Speeds) -> Look:
     """What answers for nodes."""
 
     def look(places: Places, _tol: float, _budget: int) -> Light:
-        values, slopes = pushed_light(speeds, places.columns, places.rows)
+        values, slopes = moving_light(speeds, places.columns, places.rows)
         count = len(values)
         found = np.concatenate([slopes, values, np.zeros((count, 1))], axis=1)
         return Light(found, np.zeros(count), np.full(count, MET), np.ones(count, np.int64))
@@ -92,7 +94,7 @@ def _beside(arrays: RadiometricArrays, speeds: Speeds, move: Move) -> Beside:
 
     def look(by: float, columns: Array, rows: Array) -> Array:
         view = seen(moved_by(arrays, move, by), speeds.settings.width, speeds.settings.height)
-        return pushed_light(replace(speeds, view=view), columns, rows)[0]
+        return moving_light(replace(speeds, view=view, turning=moving(view)), columns, rows)[0]
 
     return look
 

@@ -12,10 +12,13 @@ import numpy as np
 
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
+from symrender.jit.twins import moving
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
+from symrender.radiometric import tile
+from symrender.radiometric.arcs import Room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
+from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
@@ -77,14 +80,16 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     width, height = settings.width, settings.height
     worlds = shaken(arrays)
     views = seen_all(worlds, width, height)
-    moving = {move[0]: [seen_moves(each, move, width, height) for each in worlds] for move in wrt}
+    moved = {move[0]: [seen_moves(each, move, width, height) for each in worlds] for move in wrt}
+    turning = {name: [moving(*pair) for pair in zip(views, moves, strict=True)] for name, moves in moved.items()}
 
     own, integrated = threading.local(), integrated_layers(arrays)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here = (slice(y0, y1), slice(x0, x1))
-        for name, moves in moving.items():
-            results = [_slopes(*pair, width, height, x0, y0, x1, y1) for pair in zip(views, moves, strict=True)]
+        room = moving(sky_room(views[0].world))
+        for name in turning:
+            results = [_slopes(view, room, width, height, x0, y0, x1, y1) for view in turning[name]]
             emitted, direct, classes = results[0]
             radiance = emitted + direct
             error = doubt(radiance, [e + d for e, d, _ in results[1:]])
@@ -95,7 +100,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
             layers[f"error:{name}"][here] = np.where(unknown, np.inf, error)
             missed = np.where(unknown, UNSUPPORTED, CAPPED)
             layers[f"status:{name}"][here] = np.where(unknown | (error > settings.tol), missed, MET)
-        count = (x1 - x0) * (y1 - y0) * len(moving)
+        count = (x1 - x0) * (y1 - y0) * len(turning)
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
@@ -105,15 +110,15 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         tile = (x0, y0, x1, y1)
         rays = [
             [moving_rays(*pair, width, height, tile) for pair in zip(views, moves, strict=True)]
-            for moves in moving.values()
+            for moves in moved.values()
         ]
         if arrays.bounces:
-            for name in moving:
+            for name in moved:
                 # a tile may be rendered twice
                 layers[f"indirect:{name}"][here] = 0.0
         for layer, bouncer in own.bouncers.items():
             found = bouncer.sloped(rays, settings.tol, settings.budget)
-            for q, name in enumerate(moving):
+            for q, name in enumerate(moved):
                 each = found.slopes[q], found.error[q], found.status[q]
                 _add(each, layer, name, here, layers, settings.tol)
             count += int(found.evaluations.sum())
@@ -170,21 +175,16 @@ def _add(
 
 
 def _slopes(
-    view: Seen, moves: Seen, width: int, height: int, x0: int, y0: int, x1: int, y1: int
+    view: Seen, room: Room, width: int, height: int, x0: int, y0: int, x1: int, y1: int
 ) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Slopes of emitted and direct light of a tile, and the hit classes."""
-    values, slopes = _room(x1 - x0, y1 - y0), _room(x1 - x0, y1 - y0)
-    room, moving = sky_room(view.world), sky_room(view.world)
-    _kernel()(*view, width, height, x0, y0, x1, y1, room, *values, *moves, moving, *slopes)
-    return slopes[0], slopes[1], values[2]
-
-
-def _room(width: int, height: int) -> tuple[Array, Array, Array]:
-    """Layers emitted, direct and hit_class of a tile."""
-    return np.zeros((height, width, 3)), np.zeros((height, width, 3)), np.zeros((height, width))
+    """Derivatives of emitted and direct light of a tile (h, w, 3), of a view with tangents, and hit classes (h, w)."""
+    emitted, direct = np.zeros((2, y1 - y0, x1 - x0, 3), np.complex128)
+    hit_class = np.zeros((y1 - y0, x1 - x0))
+    _kernel()(*view, width, height, x0, y0, x1, y1, room, emitted, direct, hit_class)
+    return emitted.imag, direct.imag, hit_class
 
 
 @lru_cache(maxsize=1)
 def _kernel() -> Any:
-    """The pushed kernel, compiled."""
-    return compiled(pushed_module().fill_tile_dot, sources=[pushed_text()], _nrt=False)
+    """Compiled function that fills a tile."""
+    return compiled(tile.fill_tile, _nrt=False)

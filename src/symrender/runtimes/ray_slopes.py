@@ -12,10 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
+from symrender.jit.twins import moving
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
+from symrender.radiometric import tile
+from symrender.radiometric.arcs import Room
 from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.slopes import pushed_module, pushed_text, record_moves, world_moves
+from symrender.radiometric.slopes import record_moves, world_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
 from symrender.runtimes.emission_slopes import bouncer_of
@@ -46,14 +49,16 @@ def ray_slopes(
     check_gradient(arrays, wrt)
     scenes, integrated, own = shaken(arrays), integrated_layers(arrays), threading.local()
     worlds = make_worlds(scenes)
-    moving = [[world_moves(each, record_moves(each, move)) for each in scenes] for move in wrt]
+    moves = [[world_moves(each, record_moves(each, move)) for each in scenes] for move in wrt]
+    moving_worlds = [[moving(*pair) for pair in zip(worlds, each, strict=True)] for each in moves]
 
     def answer(origins: Array, directions: Array) -> SentSlopes:
         sent = shaken_rays(arrays, origins, directions)
         shape = len(wrt), len(origins)
         found = SentSlopes(np.zeros((*shape, 3)), np.zeros(shape), np.full(shape, MET))
-        for q, moves in enumerate(moving):
-            slopes = [_closed(*each) for each in zip(worlds, moves, sent, strict=True)]
+        room = moving(sky_room(worlds[0]))
+        for q, each in enumerate(moving_worlds):
+            slopes = [_closed(world, room, rays) for world, rays in zip(each, sent, strict=True)]
             found.slopes[q], found.error[q] = slopes[0], doubt(slopes[0], slopes[1:])
         if integrated and not hasattr(own, "bouncers"):
             own.bouncers = [bouncer_of(arrays, wrt, layer, tol, budget) for layer in integrated]
@@ -72,16 +77,15 @@ def ray_slopes(
     return answer
 
 
-def _closed(world: World, moves: World, rays: tuple[Array, Array]) -> Array:
-    """Slopes of what is closed form, emitted and direct light together."""
+def _closed(world: World, room: Room, rays: tuple[Array, Array]) -> Array:
+    """Derivatives of emitted and direct light together, of a world with tangents; rays have none."""
     count = len(rays[0])
-    values, slopes = ((np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)) for _ in range(2))
-    still = np.zeros((count, 3)), np.zeros((count, 3))
-    _kernel()(world, *rays, sky_room(world), *values, moves, *still, sky_room(world), *slopes)
-    return np.asarray(slopes[0] + slopes[1])
+    emitted, direct = np.zeros((2, count, 3), np.complex128)
+    _kernel()(world, *rays, room, emitted, direct, np.zeros(count))
+    return np.asarray(emitted.imag + direct.imag)
 
 
 @lru_cache(maxsize=1)
 def _kernel() -> Any:
-    """The pushed kernel, compiled."""
-    return compiled(pushed_module().fill_rays_dot, sources=[pushed_text()], _nrt=False)
+    """Compiled function that answers for rays."""
+    return compiled(tile.fill_rays, _nrt=False)

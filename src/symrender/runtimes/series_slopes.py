@@ -23,6 +23,7 @@ from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.bounds import Bound
 from symrender.radiometric.pieces import Piece
+from symrender.radiometric.pixels import walls
 from symrender.radiometric.pixels.records import Section
 from symrender.radiometric.slopes import window_moves
 from symrender.radiometric.vectors import Array
@@ -138,9 +139,9 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
         ):
             world = canvas.eye.world
             lamps = turning.lights if len(world.lights) else table(Lamp, 0)
-            still = moves._replace(world=turning._replace(lights=lamps))
+            still = moves._replace(world=turning._replace(lights=lamps, bounds=table(Bound, len(world.bounds))))
             speeds = Speeds.of(
-                canvas.eye, Seen(world, eye, canvas.window), still, "list_series_walls", settings, *parts
+                canvas.eye, Seen(world, eye, canvas.window), still, walls.list_series_walls, settings, *parts
             )  # fmt: skip
             beside = _beside(scene, move) if kind is DirectRule else None
             rules.append(kind(canvas, _CHANNELS, speeds, beginning, beside))

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
 
 from symrender.jit.compiled import compiled
-from symrender.jit.generated import load_module
 from symrender.jit.records import Table, table
+from symrender.jit.twins import moving
 from symrender.radiometric import tile
-from symrender.radiometric.pixels import moving, walls
+from symrender.radiometric.pixels import walls
 from symrender.radiometric.pixels.cells import Eye
-from symrender.radiometric.pixels.moving import Sweep
+from symrender.radiometric.pixels.moving import TWIN, UNRESOLVED, Sweep, fill_levels
 from symrender.radiometric.pixels.records import TERMS, Family, Ints, Section, Wall
 from symrender.radiometric.pixels.rules import GAUSS
-from symrender.radiometric.pushforward import pushed
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen
@@ -31,18 +29,8 @@ _OPENED: Final = 1e-6
 """How far the faster of two such walls is moved to see what lies between them, in half widths of a support."""
 _LEAST: Final = 1e-10
 """Gaps that are looked into at least, in these: a hundred times what places of walls are known to."""
-
-
-@lru_cache(maxsize=1)
-def pushed_text() -> str:
-    """Text of the kernels that push rays and walls forward."""
-    listers = walls.list_walls, walls.list_seen_walls, walls.list_series_walls, walls.list_families
-    return pushed((*listers, moving.fill_levels, tile.fill_places))
-
-
-def pushed_module() -> ModuleType:
-    """The module that ``pushed_text`` is the text of."""
-    return load_module(pushed_text())
+Lister = Callable[..., int]
+"""A kernel that lists walls: ``list_walls``, ``list_seen_walls`` or ``list_series_walls``."""
 
 
 @dataclass(frozen=True)
@@ -61,28 +49,30 @@ class Steps:
 
 @dataclass(frozen=True)
 class Speeds:
-    """How fast the walls of an eye cross lines while a view moves; ``rates`` and ``turns`` are those of the walls and
-    of the coordinates of textures."""
+    """How fast the walls of an eye cross lines while a view moves.
 
-    eye: Eye
+    ``turning`` is the view with its tangents, ``walls`` and ``families`` the walls and the coordinates of textures with
+    theirs.
+    """
+
     view: Seen
     moves: Seen
-    rates: Table[Wall]
-    turns: Table[Family]
+    turning: Seen
+    walls: Table[Wall]
+    families: Table[Family]
     settings: Settings
 
     @classmethod
     def of(
-        cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings, *sections: Table[Section]
+        cls, eye: Eye, view: Seen, moves: Seen, lister: Lister, settings: Settings, *sections: Table[Section]
     ) -> Speeds:  # fmt: skip
-        """Of the walls that the kernel ``lister`` lists, of ``list_series_walls`` with sections and their moves."""
-        found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
-        _pushed(f"{lister}_dot")(
-            view.world, view.eye, *sections[:1], found, moves.world, moves.eye, *sections[1:], rates
-        )  # fmt: skip
-        families, turns = (table(Family, len(eye.families)) for _ in range(2))
-        _pushed("list_families_dot")(view.world, view.eye, families, moves.world, moves.eye, turns)
-        return cls(eye, view, moves, rates, turns, settings)
+        """Of the walls that ``lister`` lists, of ``list_series_walls`` with sections and their derivatives."""
+        turning = moving(view, moves)
+        found, families = moving(table(Wall, len(eye.walls))), moving(table(Family, len(eye.families)))
+        cut = (moving(*sections),) if sections else ()
+        _kernel(lister)(turning.world, turning.eye, *cut, found)
+        _kernel(walls.list_families)(turning.world, turning.eye, families)
+        return cls(view, moves, turning, found, families, settings)
 
     def rays(self, columns: Array, rows: Array) -> tuple[Array, Array]:
         """Rays through places of the image, in pixels, of any length, and how they move."""
@@ -108,16 +98,13 @@ class Speeds:
         right = 2.0 * settings.reach * self.view.window[1] / settings.width
         up = 2.0 * settings.reach * self.view.window[2] / settings.height
         steps = np.ascontiguousarray(at.steps[:, :1] * right + at.steps[:, 1:] * up)
-        levels, slopes, rates = (np.zeros(count) for _ in range(3))
-        work, out = np.zeros((8, TERMS)), np.zeros(TERMS)
+        # a line stands still: its steps have no tangents
+        levels, slopes = np.zeros((2, count), np.complex128)
+        work, out = np.zeros((8, TERMS), np.complex128), np.zeros(TERMS, np.complex128)
         which = np.ascontiguousarray(at.walls, np.float64)
-        _pushed("fill_levels_dot")(
-            self.eye.walls, self.eye.families, which, rays, steps, work, out, levels, slopes,
-            self.rates, self.turns, np.zeros_like(which), turns, np.zeros_like(steps), np.zeros_like(work),
-            np.zeros_like(out), rates, np.zeros_like(slopes),
-        )  # fmt: skip
+        _kernel(fill_levels)(self.walls, self.families, which, rays + 1j * turns, steps, work, out, levels, slopes)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(-rates / slopes)
+            return np.asarray(-levels.imag / slopes.real)
 
 
 @lru_cache(maxsize=16)
@@ -159,7 +146,7 @@ def part_twins(
     seen: it is looked at where the parameter is a little more and a little less; without ``beside`` any light up to the
     brightest may be there.
     """
-    group = np.cumsum(edges[:, 5] != moving.TWIN)
+    group = np.cumsum(edges[:, 5] != TWIN)
     which = np.flatnonzero((np.bincount(group, minlength=1)[group] > 1) & np.isfinite(speed))
     which = which[np.lexsort((speed[which], group[which]))]
     slow, fast = which[:-1], which[1:]
@@ -182,7 +169,7 @@ def part_twins(
         told = step * parts * length > _LEAST
         seen[:, told] = (2.0 * looks[1] - looks[0])[:, told]
         off[told] = np.abs(looks[1] - looks[0]).max(axis=(0, 2))[told]
-    first = np.maximum.accumulate(np.where(edges[:, 5] == moving.TWIN, 0, np.arange(len(edges))))
+    first = np.maximum.accumulate(np.where(edges[:, 5] == TWIN, 0, np.arange(len(edges))))
     # of gaps that open before the first wall the rest of the sum is the other one
     swapped = (speed[fast] <= speed[first[slow]])[:, None]
     left, right = before[slow], behind[slow]
@@ -194,7 +181,7 @@ def part_twins(
 
 def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:
     """Of walls in cells that are not resolved, (the first row of each, how far it moves at right angles, at most)."""
-    rows = np.flatnonzero(edges[:, 5] == moving.UNRESOLVED)
+    rows = np.flatnonzero(edges[:, 5] == UNRESOLVED)
     far = np.abs(speed[rows]) * np.hypot(edges[rows, 2], edges[rows, 3])
     # along the side that it is parallel to a wall has no speed
     return rows[::2], np.nan_to_num(np.fmin(far[::2], far[1::2]), nan=np.inf)
@@ -205,19 +192,15 @@ def make_sweep(most: int) -> Sweep:
     return Sweep(np.zeros((most, 3)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64))
 
 
-def pushed_light(speeds: Speeds, columns: Array, rows: Array) -> tuple[Array, Array]:
-    """(n, 6) radiance and emitted light through places of the image, in pixels, and its slopes."""
-    view, moves, settings = speeds.view, speeds.moves, speeds.settings
-    values, slopes, still = np.zeros((len(columns), 6)), np.zeros((len(columns), 6)), np.zeros(len(columns))
-    room, shaking = sky_room(view.world), sky_room(view.world)
-    _pushed("fill_places_dot")(
-        *view, settings.width, settings.height, columns, rows, room, values,
-        *moves, still, still, shaking, slopes,
-    )  # fmt: skip
-    return values, slopes
+def moving_light(speeds: Speeds, columns: Array, rows: Array) -> tuple[Array, Array]:
+    """Radiance and emitted light (n, 6) through places of the image, in pixels, and their derivatives."""
+    settings, found = speeds.settings, np.zeros((len(columns), 6), np.complex128)
+    room = moving(sky_room(speeds.view.world))
+    _kernel(tile.fill_places)(*speeds.turning, settings.width, settings.height, columns, rows, room, found)
+    return np.ascontiguousarray(found.real), np.ascontiguousarray(found.imag)
 
 
-@lru_cache(maxsize=4)
-def _pushed(name: str) -> Any:
-    """A pushed kernel, compiled."""
-    return compiled(getattr(pushed_module(), name), sources=[pushed_text()], _nrt=False)
+@lru_cache(maxsize=8)
+def _kernel(function: Callable[..., Any]) -> Any:
+    """A function of this side, compiled."""
+    return compiled(function, _nrt=False)

@@ -18,7 +18,7 @@ import numpy as np
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import UNSUPPORTED
-from symrender.radiometric.pixels import moving, sweeps
+from symrender.radiometric.pixels import moving, sweeps, walls
 from symrender.radiometric.pixels.records import COARSE, CUT, Part
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.slopes import seen_moves
@@ -229,7 +229,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
     for move in wrt:
         moves = [seen_moves(each, move, settings.width, settings.height) for each in worlds]
         turns[move[0]] = [
-            Speeds.of(canvas.eye, view, each, "list_seen_walls", settings)
+            Speeds.of(canvas.eye, view, each, walls.list_seen_walls, settings)
             for view, each in zip(views, moves, strict=True)
         ]
         rules[move[0]] = SweptRule(canvas, CHANNELS, turns[move[0]][0], beginning)

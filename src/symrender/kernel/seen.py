@@ -1,4 +1,4 @@
-"""What a pixel sees and the light it gets directly, with tangents: a gradient image but for its lobes."""
+"""What a pixel sees and the light it gets directly: a gradient image but for its lobes, run on dual numbers."""
 
 from __future__ import annotations
 
@@ -11,16 +11,9 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Program
 from symrender.kernel.shade import POINTS, SHADING
 from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
-from symrender.kernel.tangent import SUFFIX, forward
 from symrender.kernel.tile import AXES, CAMERA, DIRECT, FRAME, HIT_CLASS, INCOMING, NORMAL, PLACE
 from symrender.kernel.trace import EYE
 from symrender.scene import arrays as at
-
-SIGHT = "sight" + SUFFIX
-HITS = "hits" + SUFFIX
-PLACES = "places" + SUFFIX
-CAMERA_AXES = "camera_axes" + SUFFIX
-STAND_PLANES = "stand_planes" + SUFFIX
 
 
 def sight() -> Function:
@@ -76,36 +69,30 @@ def places() -> Function:
     return Function("places", parameters, block.statements, "what places of the image show, into the arrays")
 
 
-def power_tangent() -> Function:
-    """x^n with its tangent in both; whole exponents are made by products, which do not show the slope in n."""
-    x, n, dx, dn = real("x"), real("n"), real("x" + SUFFIX), real("n" + SUFFIX)
+def power() -> Function:
+    """x^n for x >= 0, one instruction: of whole products the derivative by n could not be read."""
+    x, n = real("x"), real("n")
     block = Block()
     with block.when(x <= 0):
-        value = block.let("value", sp.Integer(0))
-        with block.when(sp.Eq(n, 0)):
-            block.set(value, sp.Integer(1))
-        slope = block.let("slope", sp.Integer(0))
         with block.when(sp.Eq(n, 1)):
-            block.set(slope, dx)
-        block.leave(value, slope)
-    value = block.let("value", x**n)
-    block.leave(value, value * (n * dx / x + sp.log(x) * dn))
-    return Function("power" + SUFFIX, (x, dx, n, dn), block.statements, "x^n, with its tangent")
+            block.leave(x)
+        with block.when(sp.Eq(n, 0)):
+            block.leave(sp.Integer(1))
+        block.leave(sp.Integer(0))
+    block.leave(x**n)
+    return Function("power", (x, n), block.statements, "x^n of a number that is not negative")
 
 
-def tangent_program() -> Program:
-    """``sight``, ``hits`` (which tells albedos too) and what stands up cameras and planes, all with tangents.
-
-    One text for every scene.
-    """
-    whole = Program(
+def seen_program() -> Program:
+    """``sight``, ``hits`` (with albedos), ``places``, and what stands up cameras and planes, for every scene."""
+    return Program(
         (
             light.light_point(),
             tiles.camera_axes(),
             planes.stand_planes(),
             planes.nearest_plane(),
             planes.walled_off(),
-            shade.power(),
+            power(),
             shade.texture_factor(),
             shade.floor_side(),
             shade.blocked(),
@@ -126,7 +113,3 @@ def tangent_program() -> Program:
         ),
         ("sight", "hits", "places", "camera_axes", "stand_planes"),
     )
-    rules = {"power": power_tangent()}
-    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "stand_planes", "sight", "hits", "places")]
-    functions = {function.name: function for part in parts for function in part.functions}
-    return Program(tuple(functions.values()), (CAMERA_AXES, STAND_PLANES, SIGHT, HITS, PLACES))
