@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pytest
+import sympy as sp
 
 import symrender as sr
 from symrender.kernel.block import Block, real
