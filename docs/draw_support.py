@@ -1,7 +1,8 @@
 """Writes the support matrices of docs/support.md and README.md: what truth and gradient accept, found by asking them.
 
 Every cell is one call, of one or two pixels, on a small scene that holds the feature of its row. A call that returns
-with a value in every pixel is a tick; one that is refused by name is listed with its message. ``--check`` writes
+with a value in every pixel is a tick; an image that quadrature refuses is marked where paths make it, and listed with
+the message; so is what is refused. ``--check`` writes
 nothing and fails where a page says something else.
 """
 
@@ -18,7 +19,9 @@ import symrender as sr
 
 ROOT = Path(__file__).resolve().parent.parent
 REGION = r"(?<=<!-- {0} -->\n).*?(?=<!-- /{0} -->)"
-YES, NO = "✓", ""
+YES, SAMPLED, NO = "✓", "≈", ""
+PATHS = "sampled: "
+"""What the reason of a cell begins with that paths answer."""
 UNSUPPORTED = 3
 """The status of a pixel without a value."""
 Scene = dict[str, Any]
@@ -142,7 +145,7 @@ SERIES: Mapping[str, Scene] = {
 
 def asked(scene: Scene, call: Callable[..., Any], **changes: Any) -> str:
     """An empty text where the call returns a value in every pixel, else why not."""
-    options = {name: changes.pop(name) for name in ("filter", "disk", "wrt") if name in changes}
+    options = {name: changes.pop(name) for name in ("filter", "disk", "wrt", "method", "budget") if name in changes}
     try:
         found = call({**scene, **changes}, size=(2, 1), tol=1e-2, **options)
     except sr.SymrenderError as error:
@@ -151,10 +154,18 @@ def asked(scene: Scene, call: Callable[..., Any], **changes: Any) -> str:
     return "no value" if any((image.layer("status") == UNSUPPORTED).any() for image in images) else ""
 
 
-def exposed(scene: Scene, call: Callable[..., Any], **changes: Any) -> str:
-    """The same through a lens and a shutter."""
+def imaged(scene: Scene, **changes: Any) -> str:
+    """An empty text where quadrature makes the image, else why not, after ``PATHS`` where paths make it."""
+    refused = asked(scene, sr.truth, method="quadrature", **changes)
+    if refused and not asked(scene, sr.truth, method="auto", budget=2_000, **changes):
+        return PATHS + refused
+    return refused
+
+
+def exposed(scene: Scene) -> str:
+    """The answer for an image through a lens and a shutter."""
     camera = scene["camera"] | {"aperture": 0.05, "focus": 6}
-    return asked(scene, call, camera=camera, shutter=[0, 0.1], filter="box", **changes)
+    return imaged(scene, camera=camera, shutter=[0, 0.1], filter="box")
 
 
 def light_of(scene: Scene) -> list[str]:
@@ -173,11 +184,11 @@ def place_of(scene: Scene) -> list[str]:
 
 Question = Callable[[Scene], str]
 PHYSICAL_VERBS: Mapping[str, Question] = {
-    "direct light": lambda scene: asked(scene, sr.truth),
-    "one bounce": lambda scene: asked(scene, sr.truth, bounces=1),
-    "all bounces": lambda scene: asked(scene, sr.truth, bounces="all"),
-    "box filter": lambda scene: asked(scene, sr.truth, filter="box"),
-    "lens, shutter": lambda scene: exposed(scene, sr.truth),
+    "direct light": lambda scene: imaged(scene),
+    "one bounce": lambda scene: imaged(scene, bounces=1),
+    "all bounces": lambda scene: imaged(scene, bounces="all"),
+    "box filter": lambda scene: imaged(scene, filter="box"),
+    "lens, shutter": exposed,
     "gradient": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene)),
     "gradient, one bounce": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene), bounces=1),
     "gradient, box filter": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene), filter="box"),
@@ -210,11 +221,16 @@ def page(scene: Scene) -> str:
 
 
 def table(rows: Mapping[str, Mapping[str, str]], bar: str = " | ") -> str:
-    """Ticks where there is nothing to say; ``bar`` stands between cells."""
+    """Ticks where quadrature answers, ``SAMPLED`` where paths do; ``bar`` stands between cells."""
     verbs = list(next(iter(rows.values())))
     lines = [["scene holds", *verbs], ["---"] + [":-:"] * len(verbs)]
-    lines += [[name, *(NO if said else YES for said in row.values())] for name, row in rows.items()]
+    lines += [[name, *map(mark, row.values())] for name, row in rows.items()]
     return "\n".join(f"{bar.lstrip()}{bar.join(line)}{bar.rstrip()}" for line in lines) + "\n"
+
+
+def mark(said: str) -> str:
+    """What a cell shows of an answer."""
+    return YES if not said else SAMPLED if said.startswith(PATHS) else NO
 
 
 def reasons(rows: Mapping[str, Mapping[str, str]]) -> str:

@@ -24,6 +24,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("kernel",),
     ("targets",),
     ("runtimes",),
+    ("radiance",),
     ("ledger", "certify"),
     ("execution",),
     ("render", "truth", "verify", "probe", "probe_rays", "gradient", "hessian", "fit"),

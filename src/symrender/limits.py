@@ -33,6 +33,8 @@ MAX_MESH_BYTES: Final = 1 << 25
 """Largest file of a mesh, bytes."""
 MAX_LIGHTS: Final = 256
 """Most lights in a scene."""
+MAX_BOUNCES: Final = 1024
+"""Most reflections beyond the direct light that a scene may ask for by number."""
 MAX_LIGHT_POINTS: Final = 65_536
 """Most points all disk lights together are replaced by under a K x K rule."""
 MAX_PIXELS: Final = 1 << 28

@@ -26,6 +26,7 @@ Nodes = Literal["midpoint", "barycentre", "gauss"]
 Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
 Antialias = Literal["analytic", "none"]
 Filter = Literal["centre", "box", "tent", "gaussian", "mitchell"]
+Method = Literal["auto", "quadrature", "sampled"]
 Estimators = Literal["best", "chapter"]
 Tonemap = Literal["clip", "reinhard", "aces"]
 
@@ -53,6 +54,8 @@ class Settings:
     whose mean a pixel beside another shape is, 1 for its centre alone. ``filter`` is what a pixel is: the
     radiance along the ray through its centre, the mean over its area, ``box``, or one weighed by a ``tent``, a
     ``gaussian`` or ``mitchell`` over a square of ``filter_radius`` to every side, in pixels, 0 the filter's own.
+    ``method`` says who makes a reference image of a radiometric scene: ``quadrature`` alone, paths that are ``sampled``
+    alone, or ``auto``: quadrature for each component that it covers, and paths for the rest.
     """
 
     width: int = 256
@@ -75,6 +78,7 @@ class Settings:
     silhouettes: int = 1
     filter: Filter = "centre"
     filter_radius: float = 0.0
+    method: Method = "quadrature"
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -100,6 +104,7 @@ class Settings:
             ("partition", Partition),
             ("aa", Antialias),
             ("filter", Filter),
+            ("method", Method),
         ):
             value = getattr(self, name)
             if value not in get_args(choices):
@@ -162,9 +167,13 @@ def split_settings(
     silhouettes: int = 1,
     filter: Filter = "centre",
     filter_radius: float = 0.0,
+    method: Method = "quadrature",
     max_pixels: int = MAX_PIXELS,
 ) -> Settings:
-    """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
+    """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone.
+
+    Keywords are many because each is a field of ``Settings``.
+    """
     width, height = image_size(size)
     return Settings(
         width=width,
@@ -181,6 +190,7 @@ def split_settings(
         silhouettes=silhouettes,
         filter=filter,
         filter_radius=float(filter_radius),
+        method=method,
         max_pixels=max_pixels,
     )
 

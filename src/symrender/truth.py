@@ -6,6 +6,7 @@ the walls where the integrand breaks (``quadrature/split_point.py``). The floor 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +28,7 @@ from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, check_share, split_settings
+from symrender.settings import Antialias, Filter, Method, Settings, check_share, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
 """What the numbers of a status layer mean."""
@@ -45,6 +46,7 @@ def truth(
     silhouettes: int = 1,
     filter: Filter = "centre",
     filter_radius: float = 0.0,
+    method: Method = "auto",
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -79,6 +81,10 @@ def truth(
         What a pixel is: the ray through its centre, or the weighted mean over a square about it.
     filter_radius : float
         Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    method : {"auto", "quadrature", "sampled"}
+        Who computes a radiometric scene. ``"quadrature"`` refuses what it does not cover. ``"sampled"`` is the path
+        tracer, with a confidence interval for every pixel. ``"auto"`` takes quadrature for each component that it
+        covers and samples the rest; the metadata ``providers`` say which, and why.
     threads : int
         Worker threads; 0 takes the processors of this process. The result does not depend on it.
     tile : int
@@ -145,6 +151,7 @@ def truth(
         silhouettes=silhouettes,
         filter=filter,
         filter_radius=float(filter_radius),
+        method=method,
     )
     check_share(verify)
     judged = in_series(loaded, "verify") if verify else None
@@ -164,12 +171,10 @@ def truth(
 def truth_job(scene: AnyScene, settings: Settings) -> Job:
     """The job that makes the image; what checks radiometric scenes is imported for these alone."""
     if isinstance(scene, RadiometricScene):
-        from symrender.runtimes.exposed import check_means
-        from symrender.runtimes.radiometric import check
+        from symrender.radiance.choice import plan_of
 
-        check(radiometric_arrays(scene))
-        check_means(radiometric_arrays(scene), settings)
-        return Job.of("radiometric", scene, settings)
+        kind = "sampled" if plan_of(radiometric_arrays(scene), settings).sampled else "radiometric"
+        return Job.of(kind, scene, settings)
     if settings.filter != "centre":
         from symrender.runtimes.series_refusals import check_series_pixels
 
@@ -183,10 +188,18 @@ def true_image(crew: Crew, job: Job, scene: AnyScene) -> Image:
     layers, timing = crew.fill(job)
     check_finite(layers, scene, "truth")
     if isinstance(scene, RadiometricScene):
-        words = sent_by(scene, job.settings)
-        return Image(layers, provenance(job, scene, "truth", f"{words}, tol {job.settings.tol:g}"))
+        words = "sampled" if job.kind == "sampled" else sent_by(scene, job.settings)
+        meta = provenance(job, scene, "truth", f"{words}, tol {job.settings.tol:g}")
+        return Image(layers, meta | {"providers": json.dumps(_providers(scene, job.settings))})
     estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
     return Image(layers, provenance(job, scene, "truth", estimator))
+
+
+def _providers(scene: RadiometricScene, settings: Settings) -> dict[str, str]:
+    """Who made each layer, and why no faster provider did."""
+    from symrender.radiance.choice import plan_of
+
+    return plan_of(radiometric_arrays(scene), settings).providers()
 
 
 @dataclass(frozen=True)

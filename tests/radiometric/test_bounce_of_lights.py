@@ -267,4 +267,4 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
     for lights, words in ((([SKY]), "a sky"), ([LAMP], "an area light")):
         refused = f"in a scene with {words} beside a conductor or a phong material that reflects after the first hit"
         with pytest.raises(Unsupported, match=f"bounces: 1 is not yet integrated {refused}"):
-            sr.truth(crowd(lights, "metal"), size=4)
+            sr.truth(crowd(lights, "metal"), size=4, method="quadrature")

@@ -389,7 +389,7 @@ def test_names_and_files_of_formulas(tmp_path: Path) -> None:
 def test_what_is_not_had_is_refused_by_name(change: dict[str, Any], words: str) -> None:
     scene = sr.load(bumped({"height": {"sin": "x"}})).replace(change)
     with pytest.raises(Unsupported, match=words):
-        sr.truth(scene, size=4, filter="box" if "camera.aperture" in change else "centre")
+        sr.truth(scene, size=4, filter="box" if "camera.aperture" in change else "centre", method="quadrature")
 
 
 def test_more_that_is_refused() -> None:
@@ -399,7 +399,7 @@ def test_more_that_is_refused() -> None:
         clay["shapes"] = [
             shape | {"material": "clay"} for shape in clay["shapes"] if shape["type"] in ("plane", "sphere")
         ]
-        sr.truth(clay, size=4, filter="box")
+        sr.truth(clay, size=4, filter="box", method="quadrature")
     with pytest.raises(Unsupported, match="gradient: filter: box over a bump"):
         sr.gradient(scene, ["camera.fov"], size=4, filter="box")
     for target in ("mitsuba", "pbrt"):

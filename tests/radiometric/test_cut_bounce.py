@@ -182,7 +182,7 @@ def test_a_piece_is_only_where_it_may_be_seen() -> None:
     for _ in range(150):
         place = tuple((rng.uniform(-1.8, 1.8, 3) + np.array([0, 0, 1.2])).tolist())
         lobe = Lobe(-1, world, (0, 0, 1.0), (0, 0, 1.0), (0, 0, 1.0), (1.0, 1.0, 1.0), 1.0)
-        eye = Eye(world, world, place, None, None, 0.0, 0.0, True, BOX, None, None, lobe)  # type: ignore[arg-type]
+        eye = Eye(world, world, place, None, None, 0.0, True, True, BOX, None, None, lobe)  # type: ignore[arg-type]
         v = rng.normal(size=3)
         vx = np.cross(v, rng.normal(size=3)) * rng.choice([0.01, 0.1, 0.5])
         vy = np.cross(v, vx) * rng.choice([0.05, 0.2, 1.0])
@@ -213,7 +213,9 @@ def test_what_cannot_be_cut_is_refused_by_name() -> None:
             if change.get("scene") == "gradient":
                 sr.gradient(scene, ["lights.key.intensity"], size=4)
             else:
-                sr.truth(scene.replace(kept), size=4, filter="box" if "scene" in change else "centre")
+                sr.truth(
+                    scene.replace(kept), size=4, filter="box" if "scene" in change else "centre", method="quadrature"
+                )
 
 
 def test_a_slope_that_is_no_number_is_told() -> None:

@@ -224,13 +224,13 @@ def test_a_sphere_through_a_lamp_is_refused() -> None:
     lamp = flats.rectangle("lamp", [-1, -1, 1], [0, 2, 0], [2, 0, 0])
     through = flats.world(FLOOR, lamp, flats.ball("S", [0.9, 0, 1.2], 0.4), lights=[flats.area("lamp")])
     with pytest.raises(Unsupported, match=r"lights\[0\]: its shape, shapes\[1\], crosses shapes\[2\]"):
-        sr.truth(through, size=2)
+        sr.truth(through, size=2, method="quadrature")
     beside = flats.world(FLOOR, lamp, flats.ball("S", [1.6, 0, 1.2], 0.4), lights=[flats.area("lamp")])
     assert sr.truth(beside, size=2).layer("status").max() == 0
     box = flats.world(FLOOR, flats.box("lamp", [0, 0, 1], [1, 1, 1]), flats.ball("S", [0, 0, 1], 0.6),
                       lights=[flats.area("lamp")])  # fmt: skip
     with pytest.raises(Unsupported, match="crosses"):
-        sr.truth(box, size=2)
+        sr.truth(box, size=2, method="quadrature")
 
 
 def test_under_the_face_of_a_lamp_that_lies_on_a_floor_all_is_dark_whichever_is_above() -> None:

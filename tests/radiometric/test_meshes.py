@@ -238,10 +238,10 @@ def test_derivatives_are_those_of_differences() -> None:
 def test_what_is_not_had_is_refused_by_name() -> None:
     made = sr.load(flats.world(FLOOR, nets.mesh("M", nets.ball(3, 4)), lights=[POINT]))
     with pytest.raises(Unsupported, match=r"filter: box has no walls yet for a mesh \(shapes\[1\]\)"):
-        sr.truth(made, size=2, filter="box")
+        sr.truth(made, size=2, filter="box", method="quadrature")
     shapes = flats.disk("D", [0, 0, 0], [0, 0, 1], 1.0), nets.mesh("M", nets.ball(3, 4))
     with pytest.raises(Unsupported, match="a disk"):
-        sr.truth(flats.world(*shapes, lights=[POINT], bounces="all"), size=2)
+        sr.truth(flats.world(*shapes, lights=[POINT], bounces="all"), size=2, method="quadrature")
 
 
 def test_closed_meshes_hide_from_both_sides() -> None:

@@ -319,14 +319,24 @@ def test_a_checker_to_the_horizon_is_finite_and_stated() -> None:
 def test_what_has_no_walls_is_refused_by_name() -> None:
     walter = {"type": "conductor", "distribution": "beckmann", "g1": "walter", "alpha": 0.3, "eta": 1, "k": 2}
     with pytest.raises(Unsupported, match="filter: box has no walls yet for beckmann with g1: walter"):
-        sr.truth(world([plane("m")], [SUN], materials={"m": walter}), size=1, filter="box")
+        sr.truth(world([plane("m")], [SUN], materials={"m": walter}), size=1, filter="box", method="quadrature")
     with pytest.raises(Unsupported, match="phong exponent below 4"):
-        sr.truth(world([plane("m")], [SUN], materials={"m": {"type": "phong", "exponent": 1}}), size=1, filter="box")
+        sr.truth(
+            world([plane("m")], [SUN], materials={"m": {"type": "phong", "exponent": 1}}),
+            size=1,
+            filter="box",
+            method="quadrature",
+        )
     fine = {"type": "diffuse", "reflectance": {"type": "checker", "cell": 0.001}}
     with pytest.raises(Unsupported, match="more than 256 fields about a sphere"):
-        sr.truth(world([ball("A", [0, 0, 0], 1, "m")], [SUN], materials={"m": fine}), size=1, filter="box")
+        sr.truth(
+            world([ball("A", [0, 0, 0], 1, "m")], [SUN], materials={"m": fine}),
+            size=1,
+            filter="box",
+            method="quadrature",
+        )
     with pytest.raises(Unsupported, match="filter: box has no walls yet for what mirrors show"):
-        sr.truth("mirror", size=1, filter="box")
+        sr.truth("mirror", size=1, filter="box", method="quadrature")
     with pytest.raises(OptionError, match="filter: must be one of centre, box, tent, gaussian, mitchell"):
         sr.truth("metal", size=1, filter="sinc")  # type: ignore[arg-type]
 

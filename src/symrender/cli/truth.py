@@ -40,7 +40,7 @@ from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
 from symrender.scene.nearest import did_you_mean
-from symrender.settings import Antialias, check_share, split_settings
+from symrender.settings import Antialias, Method, check_share, split_settings
 
 if TYPE_CHECKING:
     from symrender.scene.load import AnyScene
@@ -70,6 +70,13 @@ def truth(
     silhouettes: SilhouettesOption = 1,
     filter: FilterOption = "centre",
     filter_radius: FilterRadius = 0.0,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="quadrature: refuse what it does not cover. sampled: paths with a confidence interval. auto: "
+            "quadrature for each component that it covers, paths for the rest."
+        ),
+    ] = "auto",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -107,7 +114,7 @@ def truth(
     check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
-        silhouettes=silhouettes, filter=filter, filter_radius=filter_radius, max_pixels=max_pixels,
+        silhouettes=silhouettes, filter=filter, filter_radius=filter_radius, method=method, max_pixels=max_pixels,
     )  # fmt: skip
     chosen = any_scene_with(scene, define)
     _refuse_radiometric(chosen, wanted, verify)

@@ -71,6 +71,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         radiometric=True,
         tabled=True,
     ),
+    "sampled": Kind(
+        "symrender.radiance.sampled",
+        (*_RADIOMETRIC, ("error", 1), ("status", 1), ("kind", 1)),
+        radiometric=True,
+    ),
     "radiometric_gradient": Kind(
         "symrender.runtimes.radiometric_gradient",
         (("hit_class", 1),),

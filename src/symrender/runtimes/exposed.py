@@ -32,7 +32,6 @@ from symrender.runtimes.pixels import (
     delicate,
     mean_world,
     rays_from,
-    steepest,
     wall_tables,
 )
 from symrender.scene.arrays import CHECKER, SOLID
@@ -163,7 +162,7 @@ class _Scratch:
             inner = BOX
         self.eye = Eye(
             world, mean, _triple(view.eye), table(Wall, count), table(Family, len(families)), bright,
-            bright * steepest(arrays), delicate(arrays), inner,
+            False, delicate(arrays), inner,
         )  # fmt: skip
         self.exposed = Exposed(
             still, self.eye, motion, lens_of(arrays, view), settings.width, settings.height,

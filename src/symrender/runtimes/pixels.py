@@ -159,25 +159,12 @@ def delicate(arrays: RadiometricArrays) -> bool:
     return glossy or any(light.kind in (POINT, SPOT, AREA) for light in arrays.lights)
 
 
-def steepest(arrays: RadiometricArrays) -> float:
-    """How many times brighter than what a grid of rays meets a highlight may be, about: as its lobe is narrow."""
-    widths = [1.0]
-    for shape in arrays.shapes:
-        material = arrays.materials[int(shape.material)]
-        if material.kind == CONDUCTOR:
-            widths.append(float(material.alpha))
-        if material.kind == PHONG:
-            widths.append(math.sqrt(2.0 / (float(material.exponent) + 2.0)))
-    return 1.0 + 1.0 / min(widths) ** 2
-
-
 def eye_of(arrays: RadiometricArrays, view: Seen, domain: int) -> Eye:
     """What is the same for all pixels of a view; ``domain`` is what their places weigh."""
     found, coordinates = wall_tables(view)
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
-    peak = bright * steepest(arrays)
-    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays), domain)
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, True, delicate(arrays), domain)
 
 
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:

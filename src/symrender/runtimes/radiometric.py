@@ -32,7 +32,7 @@ from symrender.runtimes.pixels import check_pixels, prepare_means
 from symrender.runtimes.radiosity import Gatherer
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, EXTENDED, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, AREA, CONDUCTOR, DIFFUSE, EXTENDED, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
 from symrender.scene.radiometric.bumped import bumped, refuse_bumps
 from symrender.scene.radiometric.cut import cut_reason
@@ -237,6 +237,10 @@ def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
 
 def check(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
+    if 1 < arrays.bounces < ALL:
+        raise Unsupported(
+            f"bounces: {arrays.bounces} is not integrated by quadrature: 0, 1 and all are; paths sample any"
+        )
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
     refuse_bumps(arrays)
     reason = cut_reason(arrays)

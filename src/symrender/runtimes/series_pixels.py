@@ -155,10 +155,9 @@ class SeriesScene:
         if len(walls) > MOST_WALLS:
             raise Unsupported(f"filter: {settings.filter} cuts at {MOST_WALLS} walls at most, got {len(walls)}")
         families = families_at(lit, eye)
-        peak = bright * (1.0 + float(arrays.shading.shininess))
-        direct = Eye(lit, mean_world(lit), place, walls, families, bright, peak, True, domain)
+        direct = Eye(lit, mean_world(lit), place, walls, families, bright, True, True, domain)
         outlines = series_walls(glossy, eye, table(Section, 0))
-        gloss = Eye(glossy, glossy, place, outlines, table(Family, 0), bright, bright, True, domain)
+        gloss = Eye(glossy, glossy, place, outlines, table(Family, 0), bright, True, True, domain)
         reach = settings.reach
         return SeriesScene(
             arrays, settings, Canvas(direct, window, width, height, reach, bright, False),

@@ -21,6 +21,9 @@ from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
 
 TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
+Sampler = Callable[[tuple[int, int, int, int], int, int, Mapping[str, Array]], int]
+"""``sampler(tile, order, seed, layers)`` fills a tile by order x order paths a pixel and returns the rays it took."""
+_FILLED = ("emitted", "direct", "indirect", "hit_class")
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
@@ -34,26 +37,36 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     """
     if settings.numeric == "none":
         raise OptionError("numeric: must name a sampler to render numerically, got 'none'")
-    world = make_world(arrays)
-    width, height = settings.width, settings.height
-    frame = camera_frame(arrays.camera, width, height)
-    kernel = _kernel("fill_tile")
-    chosen = (CODES[settings.numeric], settings.lobe, settings.seed)
-    own = threading.local()
+    sampler = sampler_of(arrays, settings, settings.numeric)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        spent = sampler((x0, y0, x1, y1), settings.lobe, settings.seed, layers)
+        here = (slice(y0, y1), slice(x0, x1))
+        layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here] + layers["indirect"][here]
+        return spent
+
+    return render
+
+
+def sampler_of(arrays: RadiometricArrays, settings: Settings, name: str = "jittered") -> Sampler:
+    """Return the path tracer of an image, to be called for any tile, number of paths and seed.
+
+    It fills ``emitted``, ``direct``, ``indirect`` (h, w, 3) and ``hit_class`` (h, w); threads may call it together.
+    """
+    world = make_world(arrays)
+    frame = camera_frame(arrays.camera, settings.width, settings.height)
+    kernel = _kernel("fill_tile")
+    own = threading.local()
+
+    def sample(tile_: tuple[int, int, int, int], order: int, seed: int, layers: Mapping[str, Array]) -> int:
         if not hasattr(own, "shot"):
             own.world = world._replace(notes=fresh_notes())
             own.shot = make_shot(arrays, own.world, settings)
-        names = ("emitted", "direct", "indirect", "hit_class")
-        spent = kernel(
-            own.world, own.shot, frame, width, height, x0, y0, x1, y1, *chosen, *(layers[name] for name in names)
-        )
-        here = (slice(y0, y1), slice(x0, x1))
-        layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here] + layers["indirect"][here]
-        return int(spent)
+        size = settings.width, settings.height
+        filled = (layers[layer] for layer in _FILLED)
+        return int(kernel(own.world, own.shot, frame, *size, *tile_, CODES[name], order, seed, *filled))
 
-    return render
+    return sample
 
 
 def rays(

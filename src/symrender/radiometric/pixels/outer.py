@@ -55,8 +55,6 @@ _INNER: Final = 0.2
 """Part of the tolerance that inner means take."""
 _SHARE: Final = 8
 """Inner means that the budget is to last for, at least."""
-_BOX_COST: Final = 500
-"""Evaluations that rules of 1, 2 and 3 nodes an axis take at the least, about: 36 inner means of as few as 14."""
 _LEAST: Final = 2000
 """Evaluations of an inner mean, at least."""
 _DOUBT: Final = 0.02
@@ -88,13 +86,9 @@ def size_of(box: Box) -> float:
 @jitable
 def box_rule(
     ex: Exposed, inner: int, i: int, j: int, box: Box, order: int, row: int, room: Room, candidates: Ints,
-    waiting: Waiting, tol: float, budget: int, left: float,
+    waiting: Waiting, tol: float, budget: int,
 ) -> tuple[float, float, bool]:  # fmt: skip
-    """(what inner means state, evaluations, whether all nodes have the same walls) of a box; its light to ``sums``.
-
-    An inner mean takes ``budget`` at most, and all of them together about what is ``left``. Arguments are many because
-    a record would be made anew for every box.
-    """
+    """(what inner means state, evaluations, whether all nodes have the same walls) of a box; its light to ``sums``."""
     stated, spent, first, same = 0.0, 0.0, -1, True
     sums = waiting.sums
     for c in range(6):
@@ -111,17 +105,16 @@ def box_rule(
             for d in range(n2):
                 z = low[2] + (high[2] - low[2]) * CLOSED[0, n2, d]
                 weight = share * CLOSED[1, n0, a] * CLOSED[1, n1, b] * CLOSED[1, n2, d]
-                most = max(1, min(budget, int(left - spent)))
                 if inner == LENS:
                     if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 1.0 * weight_of(ex.filter, 2.0 * y - 1.0, 2.0 * z - 1.0)
-                    used, mark = lens_at(ex, i, j, 2.0 * y - 1.0, 2.0 * z - 1.0, t, room, candidates, tol, most)
+                    used, mark = lens_at(ex, i, j, 2.0 * y - 1.0, 2.0 * z - 1.0, t, room, candidates, tol, budget)
                 else:
                     turn, radius = 2.0 * math.pi * z, y
                     if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 2.0 * radius
                     x1, x2 = radius * math.cos(turn), radius * math.sin(turn)
-                    used, mark = pixel_at(ex, i, j, x1, x2, t, room, candidates, tol, most)
+                    used, mark = pixel_at(ex, i, j, x1, x2, t, room, candidates, tol, budget)
                 spent += used
                 whole, best = 0.0, room.best
                 for c in range(6):
@@ -190,28 +183,22 @@ def begin_boxes(waiting: Waiting, dims: tuple[int, int, int]) -> int:
 @jitable
 def look_at_box(
     ex: Exposed, inner: int, i: int, j: int, box: Box, room: Room, candidates: Ints, waiting: Waiting, tol: float,
-    budget: int, left: float,
+    budget: int,
 ) -> float:  # fmt: skip
-    """Write light, error and the axis to halve of a box, inner means of ``budget`` each; returns the evaluations.
-
-    They are about what is ``left``, of which inner means at the end have as little as they can do with.
-    """
+    """Write light, error and the axis to halve of a box, inner means of ``budget`` each; returns the evaluations."""
     inside, rest = _INNER * tol, max(_LEAST, budget)
-    _, used, _ = box_rule(ex, inner, i, j, box, 1, 0, room, candidates, waiting, inside, rest, left)
-    left -= used
-    _, more, first = box_rule(ex, inner, i, j, box, 2, 1, room, candidates, waiting, inside, rest, left)
-    left -= more
-    stated, most, second = box_rule(ex, inner, i, j, box, 3, 2, room, candidates, waiting, inside, rest, left)
-    left -= most
+    _, used, _ = box_rule(ex, inner, i, j, box, 1, 0, room, candidates, waiting, inside, rest)
+    _, more, first = box_rule(ex, inner, i, j, box, 2, 1, room, candidates, waiting, inside, rest)
+    stated, most, second = box_rule(ex, inner, i, j, box, 3, 2, room, candidates, waiting, inside, rest)
     row, doubt = 2, _DOUBT if first and second else _PARTED
     before, error = differ(waiting, 0, 1), differ(waiting, 1, 2)
     error = max(_FIRST * error, doubt * before)
     box.axis = most_bent(box, waiting)
     spent, allowed = used + more + most, tol * (0.5 * size_of(box) + _PART)
     whole = axis_nodes(box, 0, 2) * axis_nodes(box, 1, 2) * axis_nodes(box, 2, 2) == 8
-    if allowed < error < _HOPE * allowed and left > 0.0:
+    if allowed < error < _HOPE * allowed:
         last, order = differ(waiting, 1, 2), 4 if whole else 5
-        stated, used, third = box_rule(ex, inner, i, j, box, order, 0, room, candidates, waiting, inside, rest, left)
+        stated, used, third = box_rule(ex, inner, i, j, box, order, 0, room, candidates, waiting, inside, rest)
         spent += used
         row, doubt = 0, doubt if third else _PARTED
         error = max(_FIRST * differ(waiting, 0, 2), doubt * last)
@@ -242,8 +229,7 @@ def over_boxes(
     for k in range(count):
         # all of it is looked at, if at the end a little
         rest = budget // _SHARE if spent <= budget else 0
-        left = (budget - spent) / (count - k)
-        spent += look_at_box(ex, inner, i, j, boxes[k], room, candidates, waiting, tol, rest, left)
+        spent += look_at_box(ex, inner, i, j, boxes[k], room, candidates, waiting, tol, rest)
     while True:
         for c in range(7):
             best[c] = 0.0
@@ -265,9 +251,8 @@ def over_boxes(
         one.high[axis] = 0.5 * (one.low[axis] + one.high[axis])
         other.low[axis] = one.high[axis]
         count += 1
-        each = budget // _SHARE
-        spent += look_at_box(ex, inner, i, j, one, room, candidates, waiting, tol, each, budget - spent)
-        spent += look_at_box(ex, inner, i, j, other, room, candidates, waiting, tol, each, budget - spent)
+        spent += look_at_box(ex, inner, i, j, one, room, candidates, waiting, tol, budget // _SHARE)
+        spent += look_at_box(ex, inner, i, j, other, room, candidates, waiting, tol, budget // _SHARE)
 
 
 @jitable
@@ -279,11 +264,9 @@ def exposed_mean(
     Returns the evaluations.
     """
     inner, seconds, across, turns, enough = plan(ex, i, j, pixels, room)
-    least = _BOX_COST * max(1, seconds) * max(1, across) * max(1, turns)
-    enough = enough and least <= min(budget, _BOX_COST * BOXES // 2)
+    enough = enough and max(1, seconds) * max(1, across) * max(1, turns) <= BOXES // 2
     if not enough:
-        few = _FEW if budget >= _BOX_COST * _FEW**3 else 1
-        seconds, across, turns = min(seconds, few), min(across, few), min(turns, few)
+        seconds, across, turns = min(seconds, _FEW), min(across, _FEW), min(turns, _FEW)
     best = waiting.best
     spent = over_boxes(ex, inner, i, j, (seconds, across, turns), room, candidates, waiting, tol, budget)
     if not enough:
@@ -336,7 +319,7 @@ def ray_over_time(ex: Exposed, i: int, j: int, room: Room, waiting: Waiting, tol
             before, error = differ(waiting, 0, 1), differ(waiting, 1, 2)
             error, row = max(error, _DOUBT * before), 2
             spent += 7.0
-            if error > allowed and error < 100.0 * allowed and spent < budget:
+            if error > allowed and error < 100.0 * allowed:
                 last = differ(waiting, 1, 2)
                 stretch_rule(ex, cell, start, stop, 8, 0, room, waiting)
                 spent += 8.0

@@ -372,7 +372,7 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
     put_reach(eye, whole, room)
     held = fields(eye.families, whole.v, whole.vx, whole.vy, room, math.inf)
     # where fields are too many to be cut at, a first run need not find it out at length
-    limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget // 2, max(_FIRST, budget // 64))
+    limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget // 8, max(_FIRST, budget // 64))
     best[6] = math.inf
     for _ in range(_RUNS):
         pixel_mean(eye, whole, room, candidates, count, share * tol, limit)

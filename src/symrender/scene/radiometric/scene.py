@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from symrender.limits import MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
+from symrender.limits import MAX_BOUNCES, MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
 from symrender.scene.nearest import did_you_mean
+from symrender.scene.printable import shown
 from symrender.scene.radiometric.camera import LensCamera
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
@@ -19,10 +20,10 @@ from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
 
 
-def _no_truth(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise PydanticCustomError("scene", f"must be 0 or 1 or all, got {str(value).lower()}")
-    return value
+def _reflections(value: Any) -> Any:
+    if value == "all" or (type(value) is int and 0 <= value <= MAX_BOUNCES):
+        return value
+    raise PydanticCustomError("scene", f"must be a whole number from 0 to {MAX_BOUNCES}, or all, got {shown(value)}")
 
 
 def _unknown(what: str, name: str, known: Iterable[str]) -> str:
@@ -35,7 +36,7 @@ def _unknown(what: str, name: str, known: Iterable[str]) -> str:
 class RadiometricScene(Root):
     """A camera, materials by name, shapes and lights; lengths in metres, powers in watts, rgb channel by channel.
 
-    ``bounces`` 0 is emission and direct light, 1 adds one more reflection at the first hit, ``all`` all of them. With
+    ``bounces`` 0 is emission and direct light, 1, 2, ... add as many more reflections, ``all`` all of them. With
     ``gloss: first_hit`` conductors and phong materials reflect where they are seen, and are black to other surfaces.
     What has a ``velocity`` is at its place at time 0, in seconds, and the image is the mean over the times of
     ``shutter``.
@@ -43,7 +44,9 @@ class RadiometricScene(Root):
 
     units: Annotated[Literal["radiometric"], Field(description="tells these scenes from those in units: series")]
     bounces: Annotated[
-        Literal[0, 1, "all"], Field(description="reflections beyond the direct light"), BeforeValidator(_no_truth)
+        int | Literal["all"],
+        Field(description="reflections beyond the direct light"),
+        BeforeValidator(_reflections),
     ]
     camera: Annotated[LensCamera, Field(description="who looks")]
     gloss: Annotated[

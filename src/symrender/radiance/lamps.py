@@ -1,0 +1,80 @@
+"""Which pixels may see a light itself: emission that no path met is bounded by it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.radiometric.pieces import POLYGON, laid_pieces, owners
+from symrender.radiometric.world import camera_window
+from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
+from symrender.settings import Settings
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Balls:
+    """Bounding spheres of the parts of lights that have an area, M of them, and the radiance that they send."""
+
+    centers: Array
+    radii: Array
+    radiance: Array
+
+
+def lamps_of(arrays: RadiometricArrays) -> Balls:
+    """Bounding spheres of what emits."""
+    pieces = laid_pieces(arrays)
+    owner = owners(pieces)
+    rows: list[tuple[Array, float, float]] = []
+    for light in arrays.lights:
+        if light.kind != AREA:
+            continue
+        for piece in pieces[owner == int(light.emitter)]:
+            center, radius = np.array(piece.place), float(piece.radius)
+            if piece.kind == POLYGON:
+                corners = np.array(piece.corners).reshape(4, 3)[: int(piece.count)]
+                center = corners.mean(axis=0)
+                radius = float(np.linalg.norm(corners - center, axis=1).max())
+            rows.append((center, radius, float(light.emitted.max())))
+    return Balls(np.array([r[0] for r in rows]).reshape(-1, 3), *np.array([r[1:] for r in rows]).reshape(-1, 2).T)
+
+
+def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, rows: Ints) -> Array:
+    """Largest radiance that lights themselves may send through each of N pixels, 0 where none can be in sight.
+
+    A pixel is taken for the cone about its support; a light for its bounding sphere, grown by what a lens and motion
+    move it in the image.
+    """
+    found = np.zeros(len(columns))
+    for light in arrays.lights:
+        if light.kind == SKY:
+            found[:] = float(light.emitted.max())
+    lamps, eye = lamps_of(arrays), np.array(arrays.camera.eye)
+    if not len(lamps.radii):
+        return found
+    width, height = settings.width, settings.height
+    window = camera_window(arrays.camera, width, height)
+    a, b = (2.0 * columns + 1.0) / width - 1.0, 1.0 - (2.0 * rows + 1.0) / height
+    ways = window[0] + a[:, None] * window[1] + b[:, None] * window[2]
+    reach = 2.0 * settings.reach * np.hypot(
+        np.linalg.norm(window[1]) / width, np.linalg.norm(window[2]) / height
+    )  # fmt: skip
+    sizes = np.linalg.norm(ways, axis=1)
+    # the directions of a pixel end on a plane at distance 1
+    spread = np.arcsin(np.minimum(1.0, reach / sizes))
+    exposure = arrays.exposure
+    shapes = np.linalg.norm(exposure.shapes, axis=1).max(initial=0.0) if exposure.moves else 0.0
+    drift = exposure.duration * (float(np.linalg.norm(exposure.camera)) + float(shapes)) if exposure.moves else 0.0
+    for center, radius, radiance in zip(lamps.centers, lamps.radii, lamps.radiance, strict=True):
+        away = center - eye
+        far = float(np.linalg.norm(away))
+        grown = radius + drift + exposure.aperture * (1.0 + far / max(float(exposure.focus), 1e-300))
+        half = math.asin(min(1.0, grown / far)) if far > grown else math.pi
+        between = np.arccos(np.clip(ways @ away / (sizes * max(far, 1e-300)), -1.0, 1.0))
+        found = np.where(between <= half + spread, np.maximum(found, radiance), found)
+    return found
