@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests import fits
 
 import symrender as sr
-from symrender.errors import OptionError, SceneError
+from symrender.errors import ImageError, OptionError, SceneError
 from symrender.fit import _untold
 from symrender.scene.parameters import get
 
@@ -96,6 +97,108 @@ def test_what_only_an_outline_tells_is_found_in_means() -> None:
     assert found.converged
     for name in names:
         assert found.values[name] == pytest.approx(get(true, name), abs=1e-6), name
+
+
+BALL = {
+    "name": "ball", "units": "radiometric", "bounces": 0,
+    "camera": {"type": "look_at", "eye": [0, -6, 3], "target": [0, 0, 0.3], "fov": 30},
+    "materials": {
+        "m": {"type": "diffuse", "reflectance": 0.5},
+        "u": {"type": "diffuse", "reflectance": 0.4},
+    },
+    "shapes": [
+        {"type": "plane", "name": "f", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "m"},
+        {"type": "sphere", "name": "A", "center": [0, 0, 0.5], "radius": 0.5, "material": "m"},
+        {"type": "sphere", "name": "hid", "center": [0, 40, 0.3], "radius": 0.3, "material": "u"},
+    ],
+    "lights": [{"type": "point", "name": "k", "position": [1, -2, 2.0], "intensity": 10.0}],
+}  # fmt: skip
+INTENSITY, REFLECTANCE = "lights.k.intensity", "materials.m.reflectance.color"
+
+
+def test_of_a_product_no_factor_is_told() -> None:
+    """Three channels, each with one product: the target tells three of six numbers, and which."""
+    true = sr.load(BALL)
+    target = sr.truth(true, size=4, tol=1e-8)
+    start = true.replace({INTENSITY: [12.0, 11.0, 9.0], REFLECTANCE: [0.4, 0.4, 0.4]})
+    found = sr.fit(start, target, [INTENSITY, REFLECTANCE, "lights.k.position.z"])
+    assert found.converged and found.residual < 1e-9
+    assert len(found.values) == 7 and found.rank == 4 and len(found.undetermined) == 3
+    for channel in "rgb":
+        pair = {f"{INTENSITY}.{channel}", f"{REFLECTANCE}.{channel}"}
+        (direction,) = (each for each in found.undetermined if set(each) == pair)
+        assert direction[f"{INTENSITY}.{channel}"] == 1.0
+        assert direction[f"{REFLECTANCE}.{channel}"] == pytest.approx(-1.0, rel=1e-6)
+        assert all(found.deviations[name] == np.inf for name in pair)
+        product = found.values[f"{INTENSITY}.{channel}"] * found.values[f"{REFLECTANCE}.{channel}"]
+        assert product == pytest.approx(5.0, rel=1e-6)
+    assert found.deviations["lights.k.position.z"] < 1e-3
+    assert np.isnan(found.correlation[0, 1]) and found.correlation[-1, -1] == 1.0
+    lines = found.text(steps=False).splitlines()
+    assert "determines 4 of 7" in lines[1]
+    assert f"  {INTENSITY}.r x 1, {REFLECTANCE}.r x -1" in lines
+    assert sum("(not determined by the target)" in line for line in lines) == 6
+
+
+def test_a_shape_that_no_ray_meets_is_not_known() -> None:
+    true, hidden = sr.load(BALL), "shapes.hid.radius"
+    target = sr.truth(true, size=4, tol=1e-8)
+    found = sr.fit(true, target, [hidden, f"{INTENSITY}.r"])
+    assert found.undetermined == ({hidden: 1.0},) and found.rank == 1
+    assert found.values[hidden] == 0.3 and found.deviations[hidden] == np.inf
+    assert found.deviations[f"{INTENSITY}.r"] < 1e-3
+
+
+def test_a_number_at_the_end_of_its_range_is_reported() -> None:
+    """A target that 1.25 would meet, where a reflectance ends at 1; the other channels stay inside."""
+    true = sr.load(BALL)
+    target = sr.truth(true.replace({f"{INTENSITY}.r": 25.0}), size=4, tol=1e-8)
+    start = true.replace({REFLECTANCE: [0.9, 0.6, 0.6]})
+    found = sr.fit(start, target, [REFLECTANCE])
+    red = f"{REFLECTANCE}.r"
+    assert found.converged and found.values[red] == 1.0
+    assert list(found.at_bound) == [red] and found.at_bound[red] == pytest.approx(1.25, rel=1e-3)
+    assert found.deviations[red] >= 0.24
+    assert "at the end of its range; without it 1.25" in found.text()
+    assert found.undetermined == () and found.rank == 3
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_target_that_is_not_finite_is_refused(bad: float) -> None:
+    true = sr.load(BALL)
+    radiance = np.array(sr.truth(true, size=4, tol=1e-6).radiance)
+    radiance[2, 1, 0] = bad
+    with pytest.raises(ImageError, match=r"target: 1 of 16 pixels are NaN or infinite, the first at column 1, row 2"):
+        sr.fit(true, sr.Image({"radiance": radiance}), [f"{INTENSITY}.r"])
+
+
+def test_nothing_free_is_refused() -> None:
+    with pytest.raises(OptionError, match="free: must name at least one"):
+        sr.fit(BALL, sr.Image({"radiance": np.zeros((2, 2, 3))}), [])
+
+
+@pytest.mark.parametrize("degrees", [3.0, np.inf])
+def test_deviations_are_those_of_repeated_noise(degrees: float) -> None:
+    """Student's noise of three degrees, and Gaussian: what the fit's outliers hardly move is not counted for them."""
+    true = sr.load(BALL)
+    image = sr.truth(true, size=8, tol=1e-8).radiance
+    rng, off = np.random.default_rng(7), []
+    for _ in range(10):
+        target = sr.Image({"radiance": image + 0.01 * rng.standard_t(degrees, image.shape)})
+        found = sr.fit(true, target, [INTENSITY], precision=1e-6)
+        off += [(value - 10.0) / found.deviations[name] for name, value in found.values.items()]
+    assert len(off) == 30 and found.deviations[f"{INTENSITY}.r"] > 1e-3
+    assert 0.7 < np.sqrt(np.mean(np.square(off))) < 1.3
+
+
+@pytest.mark.parametrize("seed", [0, 3, 6, 9, 12])
+def test_every_null_direction_is_named(seed: int) -> None:
+    """An excerpt of `benchmarks/fits_are_stated.py`."""
+    made = fits.case(seed)
+    found = sr.fit(made.start, made.target, made.free, tol=1e-6 * made.target.radiance.max(), precision=1e-5)
+    assert made.unknown and fits.named(found, made.unknown)
+    unknown = {name for each in made.unknown for name in each}
+    assert {name for name, deviation in found.deviations.items() if deviation == np.inf} == unknown
 
 
 def test_a_target_of_other_pixels_is_refused() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -16,27 +17,42 @@ from symrender.probe_rays import Rays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get
+from symrender.scene.scales import scale_of
 from symrender.settings import Filter
 from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
 
-LEVELS: Final = 9
-"""Steps of the extrapolation, each half the last; more, up to MOST, while a step still halves an error."""
-MOST: Final = 22
-FIRST_STEP: Final = 2.0**-6
-"""Largest step, over the parameter's size or over 1 where it is smaller."""
+FIRST: Final = 2.0**-5
+"""Largest step, over the scale of the parameter."""
+RATIO: Final = math.exp(-1.0)
+"""Ratio of each step to the one before it.
+
+The steps are incommensurate: they are not all whole multiples of one length. Halved steps that are multiples of the
+period of a texture or a bump see a constant on several levels, and agree on it.
+"""
+LEAST: Final = 7
+"""Smallest number of steps."""
+MOST: Final = 34
+"""Largest number of steps; the last is then 5e-15 of the first."""
+ORDERS: Final = 6
+"""Largest number of extrapolations; each of them uses one coarser step more."""
+FINER: Final = 2
+"""Number of finer steps that must agree with a step before it is accepted."""
 NARROWEST: Final = 2.0**-20
 """Part of the first step at least that must fit between the parameter and the end of its range."""
 ROUNDED: Final = 1e-14
 """Part of a value or a slope that its mean may be off by roundings, beside what is stated."""
+FINEST: Final = 64.0
+"""Smallest step, in units of the last place of the parameter."""
 GROWTH: Final = 4.0
-"""How many times the least error what means miss at the smallest step may come to; beyond, no step is small enough."""
+"""How many times the least error what means miss at finer steps may come to; beyond, no step is small enough."""
 BOTH_SIDES: Final = 4.0
 """What a mean that misses its middle counts for.
 
 Where the second derivative jumps by J at the very value, slopes on both sides have a mean that misses the middle one by
-J/4 of the step, of which extrapolation leaves at least .6; either side's second derivative is J/2 from their mean.
+J/2 of the step, of which extrapolation over ``RATIO`` leaves at least .7; either side's second derivative is J/2 from
+their mean.
 """
 
 
@@ -163,7 +179,7 @@ def hessian(
         )  # fmt: skip
 
     middle = look(loaded)
-    columns = [_column(loaded, name, look, middle) for name in names]
+    columns = [_column(loaded, name, at, look, middle) for at, name in enumerate(names)]
     values = np.stack([value for value, _ in columns], axis=1)
     error = np.stack([estimate for _, estimate in columns], axis=1)
     # the two orders of differentiation are two estimates of one number
@@ -190,47 +206,117 @@ def _probed(
     return _Found(np.stack([slopes[n] for n in names]), np.stack([stated[n] for n in names]), value, error)
 
 
-def _column(scene: AnyScene, name: str, look: Callable[[AnyScene], _Found], middle: _Found) -> tuple[Array, Array]:
-    """Derivative of all slopes in one parameter, (Q, ..., 3), and its error (Q, ...).
+@dataclass
+class _Level:
+    """Second derivatives (Q, ..., 3) by one step and coarser ones, their error, what means ``missed`` (Q, ...)."""
 
-    A difference divides the errors of the slopes by its step: small steps that agree on an error of the slopes are no
-    better for it.
+    value: Array
+    error: Array
+    missed: Array
+
+    @classmethod
+    def unknown(cls, like: Array) -> _Level:
+        """Nothing is known of second derivatives of the shape ``like``."""
+        none = np.zeros(like.shape[:-1])
+        return cls(np.zeros_like(like), none + np.inf, none)
+
+    def take(self, other: _Level) -> None:
+        """Take what ``other`` knows better."""
+        better = other.error < self.error
+        self.value = np.where(better[..., None], other.value, self.value)
+        self.missed = np.where(better, other.missed, self.missed)
+        self.error = np.minimum(self.error, other.error)
+
+    def heed(self, finer: _Level) -> None:
+        """Let the error hold what a finer step says: its value, within its own error, and what its means miss."""
+        self.error = np.fmax(self.error, np.abs(self.value - finer.value).max(axis=-1) - finer.error)
+        self.missed = np.maximum(self.missed, finer.missed)
+
+
+@dataclass(frozen=True)
+class _Differences:
+    """Central differences, extrapolated from the steps between ``step`` and ``coarsest``.
+
+    ``slope`` (Q, ..., 3) is the derivative of the slopes, ``doubt`` (Q, ...) its error from those of the slopes.
+    ``even`` (Q + 2, ..., 3) holds what is known at the middle: slopes and the value as means of both sides, and the
+    slope in the parameter as the difference quotient of the value; ``even_doubt`` (Q + 2, ...).
+    """
+
+    step: float
+    coarsest: float
+    slope: Array
+    doubt: Array
+    even: Array
+    even_doubt: Array
+
+    def extrapolated(self, coarse: _Differences) -> _Differences:
+        """One order higher, by Neville's rule in the square of the step."""
+        share = 1.0 / ((coarse.coarsest / self.step) ** 2 - 1.0)
+        return _Differences(
+            self.step, coarse.coarsest,
+            self.slope + (self.slope - coarse.slope) * share, (1.0 + share) * self.doubt + share * coarse.doubt,
+            self.even + (self.even - coarse.even) * share, (1.0 + share) * self.even_doubt + share * coarse.even_doubt,
+        )  # fmt: skip
+
+
+def _column(
+    scene: AnyScene, name: str, at: int, look: Callable[[AnyScene], _Found], middle: _Found
+) -> tuple[Array, Array]:
+    """Derivative of all slopes in the parameter ``name``, number ``at`` of them, (Q, ..., 3), and its error (Q, ...).
+
+    A finer step has a smaller error of truncation, and a larger one from the errors of the slopes, which it divides.
+    The error of a step is at least what keeps it within the error of every finer one. The ladder ends where the errors
+    of the slopes alone, over the step, exceed the best error found.
     """
     value = float(get(scene, name))
-    step = _first_step(scene, name, value)
-    rows: list[tuple[Array, Array]] = []
-    doubts: list[tuple[Array, Array]] = []
-    best, error = np.zeros_like(middle.slopes), np.full(middle.slope_error.shape, np.inf)
-    nowhere = ~np.isfinite(middle.slope_error)
-    for level in range(MOST):
-        above, below = (look(scene.replace({name: value + s})) for s in (step, -step))
-        slope, stated = (above.slopes - below.slopes) / (2.0 * step), (above.slope_error + below.slope_error) / 2.0
-        row = [(slope, 0.5 * (_both(above) + _both(below)))]
-        doubt = [
-            (np.where(nowhere, np.inf, (stated + middle.slope_error) / step), 0.5 * (_stated(above) + _stated(below)))
-        ]
-        before, missed = error, np.zeros_like(error)
-        for k, (coarse, doubted) in enumerate(zip(rows, doubts, strict=True)):
-            share = 1.0 / (4.0 ** (k + 1) - 1.0)
-            slope, mean = (fine + (fine - far) * share for fine, far in zip(row[k], coarse, strict=True))
-            blur = [(1.0 + share) * fine + share * far for fine, far in zip(doubt[k], doubted, strict=True)]
-            row.append((slope, mean))
-            doubt.append((blur[0], blur[1]))
-            change = np.maximum(np.abs(slope - row[k][0]), np.abs(slope - coarse[0])).max(axis=-1) + blur[0]
-            missed = _missed(middle, mean, blur[1], step)
-            better = change + missed < error
-            best, error = np.where(better[..., None], slope, best), np.where(better, change + missed, error)
-        unresolved = missed > GROWTH * error
-        if level + 1 >= LEVELS and not ((error < 0.5 * before) | unresolved).any():
+    first, finest = _first_step(scene, name, value), FINEST * float(np.spacing(abs(value)))
+    levels: list[_Level] = []
+    rows: list[_Differences] = []
+    best = _Level.unknown(middle.slopes)
+    unresolved = ~np.isfinite(best.error)
+    for number in range(MOST):
+        above = value + first * RATIO**number
+        # the step that is taken: the one asked for is rounded
+        step = above - value
+        if step < finest:
             break
-        rows, doubts = row, doubt
-        step *= 0.5
-    return best, np.where(unresolved, np.inf, error)
+        sides = look(scene.replace({name: above})), look(scene.replace({name: value - step}))
+        row = [_differences(sides, middle, step)]
+        found, least = _Level.unknown(middle.slopes), np.full(best.error.shape, np.inf)
+        for coarse in rows[:ORDERS]:
+            row.append(row[-1].extrapolated(coarse))
+            fine, (missed, surely) = row[-1], _missed(row[-1], sides, middle, at)
+            change = np.maximum(np.abs(fine.slope - row[-2].slope), np.abs(fine.slope - coarse.slope)).max(axis=-1)
+            found.take(_Level(fine.slope, change + fine.doubt + missed, surely))
+            least = np.minimum(least, surely)
+        found.missed = least if rows else found.missed
+        for level in levels:
+            level.heed(found)
+        rows, levels, best = row, [*levels, found], _Level.unknown(middle.slopes)
+        for level in levels[:-FINER]:
+            best.take(level)
+        unresolved = best.missed > GROWTH * best.error
+        if number + 1 >= LEAST and not ((best.error > row[0].doubt) | unresolved).any():
+            break
+    return best.value, np.where(unresolved, np.inf, np.maximum(best.error, best.missed))
+
+
+def _differences(sides: tuple[_Found, _Found], middle: _Found, step: float) -> _Differences:
+    """What ``step`` on both sides tells."""
+    above, below = sides
+    stated = (above.slope_error + below.slope_error) / 2.0
+    value_stated = ((above.value_error + below.value_error) / 2.0)[None]
+    mean, quotient = (above.value + below.value) / 2.0, (above.value - below.value) / (2.0 * step)
+    return _Differences(
+        step, step, (above.slopes - below.slopes) / (2.0 * step), (stated + middle.slope_error) / step,
+        np.concatenate([(above.slopes + below.slopes) / 2.0, mean[None], quotient[None]]),
+        np.concatenate([stated, value_stated, value_stated / step]),
+    )  # fmt: skip
 
 
 def _first_step(scene: AnyScene, name: str, value: float) -> float:
-    """The largest step for which there are scenes on both sides, halved from ``FIRST_STEP``."""
-    first = step = FIRST_STEP * max(1.0, abs(value))
+    """The largest step for which there are scenes on both sides, halved from ``FIRST`` of its scale."""
+    first = step = FIRST * scale_of(scene, name)
     while True:
         try:
             for side in (step, -step):
@@ -243,19 +329,24 @@ def _first_step(scene: AnyScene, name: str, value: float) -> float:
                 raise Unsupported(said) from None
 
 
-def _both(found: _Found) -> Array:
-    """Slopes, and values as the last of them."""
-    return np.concatenate([found.slopes, found.value[None]])
+def _missed(found: _Differences, sides: tuple[_Found, _Found], middle: _Found, at: int) -> tuple[Array, Array]:
+    """What second derivatives may be off by, and surely are, (Q, ...), because the light has an event within the step.
 
+    Means of both sides and the difference quotient of the value, extrapolated, are those of the middle. What they miss
+    counts from half of what roundings may explain on, so that an event which these hide is in one or the other.
+    """
+    known = np.concatenate([middle.slopes, middle.value[None], middle.slopes[at : at + 1]])
+    stated = np.concatenate([middle.slope_error, middle.value_error[None], middle.slope_error[at : at + 1]])
+    # an event at the very middle is in what is stated there, but not beside it
+    stated = found.even_doubt + np.minimum(stated, 4.0 * found.even_doubt) + ROUNDED * np.abs(known).max(axis=-1)
+    off = np.abs(found.even - known).max(axis=-1)
+    sizes = np.max([np.abs(each.slopes).max(axis=-1) for each in (*sides, middle)], axis=0)
+    # what is said of the slope in the parameter holds in proportion for the slopes in others
+    share = np.divide(sizes, sizes[at], out=np.zeros_like(sizes), where=sizes[at] > 0.0)
+    share[at] = 1.0
 
-def _stated(found: _Found) -> Array:
-    """The errors of ``_both``."""
-    return np.concatenate([found.slope_error, found.value_error[None]])
+    def of_second(even: Array) -> Array:
+        slopes = np.maximum(even[:-2], even[-1] * share)
+        return np.asarray(BOTH_SIDES * np.maximum(slopes / found.step, even[-2] / found.step**2))
 
-
-def _missed(middle: _Found, mean: Array, blur: Array, step: float) -> Array:
-    """What means of slopes and of values, extrapolated to the middle, say of events within ``step``: (Q, ...)."""
-    known = _both(middle)
-    off = np.abs(mean - known).max(axis=-1) - blur - _stated(middle) - ROUNDED * np.abs(known).max(axis=-1)
-    off = np.where(off > 0.0, off, 0.0)
-    return np.asarray(BOTH_SIDES * np.maximum(off[:-1] / step, off[-1] / (step * step)))
+    return of_second(np.where(off > 0.5 * stated, off, 0.0)), of_second(np.maximum(off - stated, 0.0))

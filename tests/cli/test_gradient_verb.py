@@ -90,3 +90,20 @@ def test_fit_finds_a_light(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert len(report["steps"]) == report["iterations"]
     text = (tmp_path / "found.yaml").read_text()
     assert "ambient" in text
+
+
+def test_fit_says_what_the_target_does_not_determine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "lamp.yaml"
+    scene.write_text(LAMP)
+    assert main(["truth", str(scene), "--size", "2", "--quiet", "--out", str(tmp_path)]) == 0
+    words = ["fit", str(scene), str(tmp_path / "truth.npz"), "--free", "lights.glow.radiance.r,shapes.ball.radius"]
+    capsys.readouterr()
+    assert main([*words, "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    # rays through centres meet the lamp or not: nothing tells its radius
+    assert report["rank"] == 1 and report["undetermined"] == [{"shapes.ball.radius": 1.0}]
+    assert report["deviations"]["shapes.ball.radius"] is None and report["deviations"]["lights.glow.radiance.r"] > 0
+    assert report["at_bound"] == {}
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert "the target determines 1 of 2 combinations" in said and "(not determined by the target)" in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Annotated
 
@@ -35,6 +36,9 @@ def fit(
     quiet: Quiet = False,
 ) -> None:
     """Change the numbers --free of SCENE until its image is TARGET; exit 4 if that did not converge.
+
+    The report names the combinations of the numbers that TARGET does not determine and the numbers at the end of their
+    range.
 
     Example: symrender fit gloss out/truth.npz --free spheres.B.center,floor.lobe.exponent -D spheres.B.center.x=1.05
     """
@@ -74,7 +78,11 @@ def fit(
             "converged": found.converged,
             "reason": found.reason,
             "values": dict(found.values),
-            "deviations": dict(found.deviations),
+            # JSON has no infinity: null is the deviation of what is not determined
+            "deviations": {name: part if math.isfinite(part) else None for name, part in found.deviations.items()},
+            "rank": found.rank,
+            "undetermined": [dict(each) for each in found.undetermined],
+            "at_bound": dict(found.at_bound),
             "iterations": len(found.steps),
             "steps": [
                 {"weighted_rms": step.cost, "change": step.change, "values": dict(step.values)} for step in found.steps
