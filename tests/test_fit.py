@@ -133,7 +133,7 @@ def test_of_a_product_no_factor_is_told() -> None:
         product = found.values[f"{INTENSITY}.{channel}"] * found.values[f"{REFLECTANCE}.{channel}"]
         assert product == pytest.approx(5.0, rel=1e-6)
     assert found.deviations["lights.k.position.z"] < 1e-3
-    assert np.isnan(found.correlation[0, 1]) and found.correlation[-1, -1] == 1.0
+    assert np.isnan(found.correlation[0, 1]) and found.correlation[-1, -1] == pytest.approx(1.0)
     lines = found.text(steps=False).splitlines()
     assert "determines 4 of 7" in lines[1]
     assert f"  {INTENSITY}.r x 1, {REFLECTANCE}.r x -1" in lines
@@ -177,7 +177,7 @@ def test_nothing_free_is_refused() -> None:
         sr.fit(BALL, sr.Image({"radiance": np.zeros((2, 2, 3))}), [])
 
 
-@pytest.mark.parametrize("degrees", [3.0, np.inf])
+@pytest.mark.parametrize("degrees", [3.0, 1e6])
 def test_deviations_are_those_of_repeated_noise(degrees: float) -> None:
     """Student's noise of three degrees, and Gaussian: what the fit's outliers hardly move is not counted for them."""
     true = sr.load(BALL)

@@ -460,9 +460,14 @@ def _robust_step(linear: _Linear, room: tuple[Array, Array]) -> tuple[Array, Arr
         root = np.sqrt(weight)
         rows = np.concatenate([root[:, None] * jacobian, held])
         wanted = np.concatenate([-root * residual, np.zeros(len(held))])
-        step = lsq_linear(rows, wanted, bounds=room, method="bvls").x
+        step = np.linalg.lstsq(rows, wanted, rcond=None)[0]
         changed = jacobian @ step
         left = changed + residual
+        if (step < room[0]).any() or (step > room[1]).any():
+            step = lsq_linear(rows, wanted, bounds=room, method="bvls").x
+            # what a parameter beyond its range would explain is no jump
+            inside = jacobian @ step + residual
+            left = np.where(np.abs(left) < np.abs(inside), left, inside)
         spread = 1.4826 * float(np.median(np.abs(left[felt]))) if felt.any() else 0.0
         usual = np.maximum(OUTLIER * spread, np.abs(changed))
         weight = (1.0 + (left / np.maximum(usual, 1e-300)) ** 2) ** -2
