@@ -1,4 +1,7 @@
-"""Find scene parameters from an image: Gauss-Newton on exact derivatives."""
+"""Find scene parameters from an image: Gauss-Newton on exact derivatives.
+
+The file is long because the linear model that gives the steps is also what says which parameters the target determines.
+"""
 
 from __future__ import annotations
 
@@ -211,8 +214,8 @@ def fit(
     Gauss-Newton with backtracking: each iteration solves the linearised problem within the parameters' ranges and
     halves the step while the cost rises. A pixel whose ray meets another shape than in the target jumps, and no
     derivative predicts it. Residuals that the linear model leaves far above the others therefore get Geman-McClure
-    weights. Filtered pixels do not jump. Standard deviations are those of this robust estimate under the residuals left,
-    or of ``tol`` where that is larger. Combinations of parameters that the target does not determine stay where they
+    weights. Filtered pixels do not jump. Standard deviations are those of this robust estimate under the residuals
+    left, or of ``tol`` where that is larger. Combinations of parameters that the target does not determine stay where they
     were and are named in ``Fit.undetermined``.
 
     The function is long because it documents its options.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import Final
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from symrender.scene.parameters import get, parameters
 from symrender.scene.values import Part
 
-TURNS: Final = frozenset(("up", "normal", "along", "direction", "velocity"))
-"""Vectors that are no places: their own size is the scale of their components."""
+PLACES: Final = frozenset(("eye", "target", "position", "center", "point", "corner", "vertices"))
+"""Vectors that are places. All others, directions, edges and sizes, do not depend on where the origin is."""
 
 
 def scale_of(scene: Part, name: str) -> float:
@@ -24,17 +25,18 @@ def scale_of(scene: Part, name: str) -> float:
     if axis not in ("x", "y", "z"):
         return abs(float(get(scene, name))) or 1.0
     place = np.array(get(scene, whole), dtype=np.float64)
-    if whole.rpartition(".")[2] not in TURNS:
-        others = np.array([place - other for other in _places(scene) if other.shape == place.shape])
-        away = np.sqrt((others.reshape(-1, len(place)) ** 2).sum(axis=1))
+    if _is_place(whole):
+        found: dict[str, list[float]] = defaultdict(list)
+        for each in parameters(scene):
+            other, _, letter = each.name.rpartition(".")
+            if letter in ("x", "y", "z") and _is_place(other):
+                found[other].append(each.value)
+        away = np.sqrt(((np.array(list(found.values())) - place) ** 2).sum(axis=1))
         if (away > 0.0).any():
             return float(np.median(away[away > 0.0]))
     return float(np.abs(place).max()) or 1.0
 
 
-def _places(scene: Part) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
-    """The places of a scene."""
-    names = dict.fromkeys(each.name.rpartition(".")[0] for each in parameters(scene) if each.name[-2:] in (".x", ".y"))
-    return [
-        np.array(get(scene, name), dtype=np.float64) for name in names if name.rpartition(".")[2] not in TURNS
-    ]  # fmt: skip
+def _is_place(name: str) -> bool:
+    """Whether a vector is a place, by the name of its field; the index of a vertex is no part of that."""
+    return name.rpartition(".")[2].partition("[")[0] in PLACES
