@@ -165,6 +165,8 @@ def test_a_light_that_rises_over_the_floor_has_none() -> None:
 
 
 DOWN = ([0.1, 0.2, 1], [0, 0, -1])
+LEVEL = {"shapes": [{"type": "plane", "name": "S0", "material": "grey", "point": [0, 0, 0], "normal": [0, 0, 1]}]}
+"""A floor whose own coordinates are those of the scene."""
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e-4, 1.0])
@@ -198,7 +200,7 @@ def test_steps_that_are_multiples_of_a_period_are_not_believed(cell: float) -> N
     sun = {"type": "directional", "direction": [0, 0, -1], "irradiance": 1}
     place = (13.1 * cell, 0.2 * cell)
     rays = ([*place, 1], [0, 0, -1])
-    found = sr.hessian(lit(sun, materials=materials), ["shapes.S0.point.x"], rays=rays)
+    found = sr.hessian(lit(sun, materials=materials, **LEVEL), ["shapes.S0.point.x"], rays=rays)
     vein = (1 + sp.sin(2 * sp.pi * ((place[0] - x) / cell + 0.35 * sp.sin(3 * sp.pi * place[1] / cell)))) / 2
     check(found, (0.2 + 0.6 * vein) / sp.pi, {x: 0.0}, 1e4, 1e-5)
 
@@ -208,15 +210,15 @@ def test_a_fine_bump() -> None:
     bump = {"amplitude": 0.01 / pace, "height": {"sin": {"mul": [pace, "x"]}}, "coordinates": "own"}
     materials = {"grey": {"type": "diffuse", "reflectance": 0.5, "bump": bump}}
     sun = {"type": "directional", "direction": [-0.5, 0, -1], "irradiance": 1}
-    found = sr.hessian(lit(sun, materials=materials), ["shapes.S0.point.x"], rays=DOWN)
+    found = sr.hessian(lit(sun, materials=materials, **LEVEL), ["shapes.S0.point.x"], rays=DOWN)
     slope = 0.01 * sp.cos(pace * (0.1 - x))
     radiance = 0.5 / sp.pi * (1 - slope / 2) / sp.sqrt(1 + slope**2) / sp.sqrt(sp.Rational(5, 4))
     check(found, radiance, {x: 0.0}, 50.0, 1e-5)
 
 
-@pytest.mark.parametrize("seed", [8, 11, 12, 13])
+@pytest.mark.parametrize("seed", [8, 11, 13])
 def test_planes_of_any_size(seed: int) -> None:
-    """Marble, a bump, phong and GGX, as `benchmarks/second_derivatives_are_stated.py` judges a thousand."""
+    """Marble, a bump and GGX, as `benchmarks/second_derivatives_are_stated.py` judges a thousand."""
     made = second_order.case(seed)
     names = sorted(made.steps)[-2:]
     found = sr.hessian(made.scene, names, rays=made.rays)
