@@ -215,8 +215,8 @@ def fit(
     halves the step while the cost rises. A pixel whose ray meets another shape than in the target jumps, and no
     derivative predicts it. Residuals that the linear model leaves far above the others therefore get Geman-McClure
     weights. Filtered pixels do not jump. Standard deviations are those of this robust estimate under the residuals
-    left, or of ``tol`` where that is larger. Combinations of parameters that the target does not determine stay where they
-    were and are named in ``Fit.undetermined``.
+    left, or of ``tol`` where that is larger. Combinations of parameters that the target does not determine stay where
+    they were and are named in ``Fit.undetermined``.
 
     The function is long because it documents its options.
 
