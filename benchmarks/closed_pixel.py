@@ -424,8 +424,8 @@ def rules(one: OneShape, panels: Panels, squares: Squares, kind: str, reached: f
         y = y0 + (y1 - y0) * 0.5 * (1.0 - np.cos(np.pi * s))
         x0, x1 = panels.x0[squares.panel][:, None, None], panels.x1[squares.panel][:, None, None]
         left, right = ends(one.region, y, np.broadcast_to(x0, y.shape), np.broadcast_to(x1, y.shape))
-        x = left + (right - left) * 0.5 * (1.0 - np.cos(np.pi * t))
         with np.errstate(invalid="ignore"):
+            x = left + (right - left) * 0.5 * (1.0 - np.cos(np.pi * t))
             x = np.where(np.isfinite(x), x, x0)
             room = np.where(right > left, right - left, 0.0)
         measure = (y1 - y0) * room * (np.pi / 2.0) ** 2 * np.sin(np.pi * s) * np.sin(np.pi * t)

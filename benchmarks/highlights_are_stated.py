@@ -181,7 +181,7 @@ def hostile(seed: int) -> dict[str, Any]:
     named, radius = FILTERS[rng.integers(len(FILTERS))]
     return {
         "seed": seed, "scene": scene, "size": [width, height], "filter": named, "filter_radius": radius,
-        "ask": 10 ** float(rng.uniform(-6, -1)), "rng": rng,
+        "ask": 10 ** float(rng.uniform(-6, -1) if rng.random() < 0.5 else rng.uniform(-3, -0.3)), "rng": rng,
     }  # fmt: skip
 
 
@@ -299,7 +299,8 @@ def main() -> None:
     report.say(
         f"{sums['pixels']} pixels of {sums['scenes']} scenes, seeds {options.seed} to {seed - 1} ({dict(kinds)}), "
         f"{sums['refused']} refused; {sums['met']} with status met; {sums['signal']} with a signal of more than "
-        f"3 times what is stated; {sums['told']} told to {TOLD} of what is stated, {sums['both']} of these with a signal; "
+        f"3 times what is stated; {sums['told']} told to {TOLD} of what is stated, {sums['both']} of these with "
+        f"a signal; "
         f"{sums['beyond']} beyond, {sums['grave']} of these off by more than the tolerance; "
         f"worst ratio {worst:.3g}; {1e3 * seconds / sums['pixels']:.3g} and {1e3 * took / sums['pixels']:.3g} ms a "
         "pixel, the package's and the judge's"
