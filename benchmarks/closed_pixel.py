@@ -205,6 +205,7 @@ class OneShape:
     """One shape, one material, one light: radiance per unit of intensity or irradiance, in closed form."""
 
     def __init__(self, scene: dict[str, Any], width: int, height: int) -> None:
+        self.scene = scene
         self.view = view_of(scene, width, height)
         (self.shape,), (self.light,) = scene["shapes"], scene["lights"]
         self.material = scene["materials"][self.shape["material"]]
