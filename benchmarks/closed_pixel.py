@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 LOW, HIGH = 7, 10
 """Nodes of both rules of a square, along a side."""
 TURN = 0.7
-DEEPEST, MOST = 40, 60_000
+DEEPEST, MOST = 40, 15_000
 """Times that a square may be quartered, and squares that one call may hold."""
 BATCH = 1500
 

@@ -3,8 +3,8 @@
     python benchmarks/filtered_slopes_are_stated.py [--quick] [--count N] [--seed S] [--write FILE] [--plant]
                                                     [--family closed|mixed|series]
 
-Three families of random pixels, of which every real number that a scene lists may be asked. *closed*: one plane, sphere,
-rectangle, triangle or disk of any material under one point, spot or sun, judged by extrapolated differences of closed
+Three families of random pixels, of which every real number that a scene lists may be asked. *closed*: one plane,
+sphere, rectangle, triangle or disk under one point, spot or sun, judged by extrapolated differences of closed
 forms that adaptive Gauss-Legendre rules integrate (``closed_pixel.py``). *mixed*: several shapes with shadows and
 textures, and *series*: planes, floor and spheres in units of the series, both judged by extrapolated differences of
 ``truth`` at a tolerance a thousand times as tight. What differences may be off by is what they change from one step to
@@ -92,7 +92,8 @@ def mixed(seed: int) -> dict[str, Any]:
                        "irradiance": [1, 0.5, 2]})  # fmt: skip
     if kind == "spot":
         at = rng.uniform([-3, -3, 2], [3, 0, 5])
-        lights.append({"type": kind, "name": "spot", "position": at.tolist(), "direction": (-at + rng.normal(size=3) * 0.3).tolist(),
+        way = (-at + rng.normal(size=3) * 0.3).tolist()
+        lights.append({"type": kind, "name": "spot", "position": at.tolist(), "direction": way,
                        "intensity": 30, "beam": 5.0, "cutoff": float(rng.uniform(10, 40)),
                        "falloff": str(rng.choice(["linear", "smooth"]))})  # fmt: skip
     gloss: dict[str, Any] = {"type": "phong", "exponent": spread(rng, 4, 100), "reflectance": 0.6, "two_sided": True}
@@ -276,9 +277,10 @@ def case(seed: int, family: str, plant: bool) -> dict[str, Any]:
                 best, doubt = slope, off
             if doubt < TOLD * stated:
                 break
+        judged = bool(np.isfinite(doubt) and np.isfinite(stated))
         row = {"seed": seed, "family": family, "name": p.name, "kind": kind_of(made["scene"], p.name), "tol": tol,
                "value": value.tolist(), "stated": stated, "status": int(image.layer("status")[0, 0]),
-               "truth": best.tolist(), "doubt": doubt, "judged": bool(np.isfinite(doubt) and np.isfinite(stated))}  # fmt: skip
+               "truth": best.tolist(), "doubt": doubt, "judged": judged}  # fmt: skip
         off = float(np.abs(value - best).max())
         row["off"] = off
         row["beyond"] = (
@@ -344,8 +346,9 @@ def main() -> None:
     )
     for family, held in sums.items():
         report.say(
-            f"{family}: {held['judged']} derivatives judged, {held['unknown']} unknown, {held['met']} met, {held['told']} "
-            f"told by differences, {held['signal']} of these ten times what is stated and asked, {held['beyond']} beyond; "
+            f"{family}: {held['judged']} derivatives judged, {held['unknown']} unknown, {held['met']} met, "
+            f"{held['told']} told by differences, {held['signal']} of these ten times what is stated and asked, "
+            f"{held['beyond']} beyond; "
             f"{held['milliseconds'] / max(1, held['judged'] + held['unknown']):.3g} ms each"
         )
     report.say(f"seeds {options.seed} to {seed - 1}, {sum(refused.values())} pixels refused; worst ratio {worst:.3g}")

@@ -28,9 +28,11 @@ from symrender.errors import SymrenderError
 
 PIXELS, QUICK = 20_000, 150
 FACTOR, TOLD, ROUNDED, FAINT = 1.5, 0.2, 1e-11, 1e-12
-"""What is a fault, how well a value is known that is told, what both sides' roundings may be of a value, and what of
-the brightest light of an image nobody misses."""
-A_SCENE = 24
+"""What is a fault, how well a value is known that is told, what both sides' roundings may be of a value, and what
+nobody misses of a light to which an image is scaled."""
+LEAST = 1e-11
+"""Of a light's intensity, what images are scaled to 1 from, at least."""
+A_SCENE = 8
 """Pixels of one image that are judged, at most."""
 FILTERS = (("box", 0.0),) * 5 + (("tent", 0.0), ("gaussian", 0.0), ("mitchell", 0.0), ("gaussian", 0.7), ("tent", 2.0))
 
@@ -121,7 +123,7 @@ def hostile(seed: int) -> dict[str, Any]:
     """A scene, an image's size and a filter."""
     rng = np.random.default_rng([seed, 51])
     kind = str(rng.choice(["plane", "plane", "plane", "sphere", "sphere", "rectangle", "triangle", "disk"]))
-    wide = rng.random() < 0.4
+    wide = rng.random() < 0.5
     normal = np.array([0.0, 0.0, 1.0]) if rng.random() < 0.5 else unit(rng.normal(size=3))
     one, two = frame(normal)
     place = unit(rng.normal(size=3) + normal) if kind == "sphere" else rng.normal(size=2) @ np.array([one, two]) * 0.3
@@ -136,6 +138,19 @@ def hostile(seed: int) -> dict[str, Any]:
     if kind == "sphere":
         eye = place * 1.0 + unit(place + float(rng.normal()) * unit(rng.normal(size=3))) * spread(rng, 0.05, 10)
         eye = eye if np.linalg.norm(eye) > 1.01 else unit(eye) * 1.02
+    flank = kind != "sphere" and rng.random() < 0.7
+    lamp = scene["lights"][0]
+    if flank:
+        if rng.random() < 0.5:
+            scene["materials"]["gloss"] = {"type": "phong", "exponent": spread(rng, 4, 40), "reflectance": 1.0}
+        eye = spread(rng, 0.3, 3) * normal + rng.uniform(0, 2) * side
+        way = spread(rng, 0.1, 3) * normal + 0.7 * rng.normal(size=2) @ np.array([one, two])
+        if lamp["type"] == "directional":
+            lamp["direction"] = (-way).tolist()
+        else:
+            lamp["position"] = way
+        if lamp["type"] == "spot":
+            lamp["direction"] = (-way - side * float(rng.uniform(0, 4))).tolist()
     if kind != "sphere" and rng.random() < 0.05:
         eye = eye - 2 * (eye @ normal) * normal
     aims = (
@@ -144,6 +159,9 @@ def hostile(seed: int) -> dict[str, Any]:
         unit(eye) if kind == "sphere" else place,
     )  # fmt: skip
     target = aims[rng.integers(len(aims))]
+    if flank:
+        # away from the lamp: of the highlight, whose middle is out of sight, the last of its flank is seen
+        target = 3.0 * float(rng.normal()) * np.cross(normal, side) - float(rng.uniform(1, 8)) * side
     if np.linalg.norm(target - eye) < 1e-6:
         target = eye - side
     fov = float(rng.uniform(60, 120) if wide else rng.uniform(5, 120))
@@ -185,12 +203,17 @@ def hostile(seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def shown(one: OneShape, x0: float, y0: float, x1: float, y1: float) -> Any:
+    """What a lattice of a part of an image shows, per unit of light."""
+    places = (np.arange(48) + 0.5) / 48
+    x, y = np.meshgrid(x0 + places * (x1 - x0), y0 + places * (y1 - y0))
+    left, right = ends(one.region, y, np.full_like(x, -1e300), np.full_like(x, 1e300))
+    return np.where((x >= left) & (x <= right), one.look(one.view.rays(x, y)).radiance, 0.0)
+
+
 def bright(one: OneShape, width: int, height: int) -> float:
     """The largest of what a lattice of an image shows, per unit of light."""
-    x, y = np.meshgrid((np.arange(48) + 0.5) / 48 * width, (np.arange(48) + 0.5) / 48 * height)
-    left, right = ends(one.region, y, np.full_like(x, -1e300), np.full_like(x, 1e300))
-    found = np.where((x >= left) & (x <= right), one.look(one.view.rays(x, y)).radiance, 0.0)
-    return float(found.max())
+    return float(shown(one, 0, 0, width, height).max())
 
 
 def case(seed: int, plant: bool) -> dict[str, Any]:
@@ -199,14 +222,18 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     scene, (width, height), rng = made["scene"], made["size"], made.pop("rng")
     one = OneShape(scene, width, height)
     most = bright(one, width, height)
-    if most > 0:
-        # so that tolerances are those of radiances near 1
-        level, most = 10 ** float(rng.uniform(-1, 2)), max(most, 1e-8)
-        key = "irradiance" if scene["lights"][0]["type"] == "directional" else "intensity"
-        scene["lights"][0][key] = [c * level / most for c in scene["lights"][0][key]]
-        one = OneShape(scene, width, height)
-    tol = float(np.clip(made["ask"] * most * one.color.max(), 1e-12, 1.0)) if most > 0 else 1e-4
-    made["tol"] = tol
+    i, j = int(rng.integers(width)), int(rng.integers(height))
+    if rng.random() < 0.85:
+        # a pixel of its own, however dim beside the brightest
+        dim = float(shown(one, i, j, i + 1, j + 1).mean())
+        most = dim if dim > LEAST else most
+    most = max(most, LEAST)
+    level = 10 ** float(rng.uniform(-1, 1))
+    # so that tolerances are those of radiances near 1
+    key = "irradiance" if scene["lights"][0]["type"] == "directional" else "intensity"
+    scene["lights"][0][key] = [c * level / most for c in scene["lights"][0][key]]
+    one = OneShape(scene, width, height)
+    tol = made["tol"] = float(np.clip(made["ask"] * level, 1e-12, 1.0))
     begun = time.process_time()
     try:
         image = sr.truth(scene, size=(width, height), filter=made["filter"], filter_radius=made["filter_radius"],
@@ -222,22 +249,23 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
         lit = order[np.argsort(-worth)]
         dim = lit[len(lit) // 3 :]
         chosen = np.unique(np.concatenate([lit[: A_SCENE // 4], rng.choice(dim, A_SCENE // 2), order[: A_SCENE // 4]]))
+        chosen = np.unique(np.append(chosen, j * width + i))
         everyone = everyone[chosen]
     stated = np.array([error[j, i] for i, j in everyone])
     values = np.array([radiance[j, i] for i, j in everyone]) * (1.0 - 1e-3 * plant)
     color = float(one.color.max())
     begun = time.process_time()
-    asked = np.maximum(0.05 * stated / color, FAINT * max(most, 1e-8))
+    asked = np.maximum(0.1 * stated, FAINT * level) / color
     mean, doubt, squares = means(one, everyone, made["filter"], made["filter_radius"], asked)
     took = time.process_time() - begun
     off = np.abs(values - mean[:, None] * one.color).max(axis=1)
-    doubt = doubt * color + ROUNDED * np.abs(mean) * color + FAINT * most * color
+    doubt = doubt * color + ROUNDED * np.abs(mean) * color + FAINT * level
     beyond = off > FACTOR * stated + 2.0 * doubt
     again = np.flatnonzero(beyond)
     if len(again):
         # the last word is that of finer squares, quartered whatever their rules say
         finer, unsure, _ = means(one, everyone[again], made["filter"], made["filter_radius"], asked[again] / 10, 12)
-        mean[again], doubt[again] = finer, unsure * color + ROUNDED * np.abs(finer) * color + FAINT * most * color
+        mean[again], doubt[again] = finer, unsure * color + ROUNDED * np.abs(finer) * color + FAINT * level
         off[again] = np.abs(values[again] - finer[:, None] * one.color).max(axis=1)
         beyond = off > FACTOR * stated + 2.0 * doubt
     return made | {

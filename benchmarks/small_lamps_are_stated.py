@@ -80,6 +80,10 @@ def lamp_behind(middle: Any, sine: Any, normal: Any, ball: Any, ball_sine: Any) 
     far_cosine = mpmath.sqrt(1 - ball_sine**2)
     height = inner(middle, normal)
     across = [n - height * m for n, m in zip(normal, middle, strict=True)]
+    if inner(across, across) == 0:
+        # straight above: any direction across will do
+        across = [mpf(0), normal[2], -normal[1]] if abs(normal[0]) < 0.5 else [normal[1], -normal[0], mpf(0)]
+        across = [a * mpf("1e-35") for a in across]
     long = mpmath.sqrt(inner(across, across))
     one = [a / long for a in across]
     two = [middle[1] * one[2] - middle[2] * one[1], middle[2] * one[0] - middle[0] * one[2],
