@@ -9,7 +9,7 @@ forms that adaptive Gauss-Legendre rules integrate (``closed_pixel.py``). *mixed
 textures, and *series*: planes, floor and spheres in units of the series, both judged by extrapolated differences of
 ``truth`` at a tolerance a thousand times as tight. What differences may be off by is what they change from one step to
 the next and what values may be off by, over the step; derivatives of which they tell nothing are counted. ``--plant``
-halves every derivative.
+halves every derivative. Pixels are answered in a process of their own, so that one that dies is counted and told.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ from __future__ import annotations
 import argparse
 import copy
 import json
+import multiprocessing
 import sys
 import time
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +42,7 @@ A_SCENE = 7
 BUDGET = 300_000
 STEPS = (1.0, 0.5, 0.25)
 UNREAL = ("ku", "kv", "bounces", "shutter", "velocity", "aperture", "focus")
+LENGTHS = "eye", "target", "point", "center", "corner", "edge", "vertices", "position", "size", "radius"
 FAINT = 1e-9
 
 
@@ -244,9 +248,7 @@ def case(seed: int, family: str, plant: bool) -> dict[str, Any]:
     rng = made.pop("rng")
     try:
         loaded = sr.load(made["scene"])
-        known = [p for p in loaded.parameters() if isinstance(p.value, float) and p.name.split(".")[-1] not in UNREAL
-                 and not any(word in p.name for word in UNREAL[2:])]  # fmt: skip
-        chosen = [known[k] for k in rng.permutation(len(known))[:A_SCENE]]
+        chosen = asked(loaded, rng)
         far = float(np.linalg.norm(np.subtract(made["scene"]["camera"]["eye"], made["scene"]["camera"]["target"])))
         tol = 10 ** float(rng.uniform(-5, -3))
         begun = time.process_time()
@@ -259,10 +261,7 @@ def case(seed: int, family: str, plant: bool) -> dict[str, Any]:
     for p in chosen:
         image = images[p.name]
         value, stated = image.layer("radiance")[0, 0] * (0.5 if plant else 1.0), float(image.layer("error")[0, 0])
-        length = p.unit == "length" or any(
-            word in p.name
-            for word in ("eye", "target", "point", "center", "corner", "edge", "vertices", "position", "size", "radius")
-        )
+        length = p.unit == "length" or any(word in p.name for word in LENGTHS)
         scale = far if length and "fov" not in p.name else max(abs(p.value), 0.1)
         if p.name.endswith("radius") or "fov" in p.name or "size" in p.name:
             scale = min(scale, abs(p.value))
@@ -292,6 +291,34 @@ def case(seed: int, family: str, plant: bool) -> dict[str, Any]:
     return made | {"rows": rows, "seconds": seconds}
 
 
+def pool() -> ProcessPoolExecutor:
+    """One process that answers."""
+    return ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+
+
+def answered(
+    workers: ProcessPoolExecutor, seed: int, family: str, plant: bool
+) -> tuple[dict[str, Any], ProcessPoolExecutor]:
+    """(what became of a pixel, the process that answers next)."""
+    try:
+        return workers.submit(case, seed, family, plant).result(), workers
+    except BrokenProcessPool:
+        made = FAMILIES[family](seed)
+        wrt = [p.name for p in asked(sr.load(made["scene"]), made["rng"])]
+        told = {"seed": seed, "family": family, "died": wrt, "scene": made["scene"], "filter": made["filter"]}
+        return told | {"filter_radius": made["filter_radius"]}, pool()
+
+
+def asked(loaded: Any, rng: np.random.Generator) -> list[Any]:
+    """Some numbers of a scene that are real and may move."""
+    known = [
+        p for p in loaded.parameters()
+        if isinstance(p.value, float) and p.name.split(".")[-1] not in UNREAL
+        and not any(word in p.name for word in UNREAL[2:])
+    ]  # fmt: skip
+    return [known[k] for k in rng.permutation(len(known))[:A_SCENE]]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
@@ -307,11 +334,18 @@ def main() -> None:
     sums = {family: Counter[str]() for family in families}
     kinds: dict[str, Counter[str]] = {}
     refused: Counter[str] = Counter()
-    seed, worst, total = options.seed, 0.0, 0
+    seed, worst, total, workers = options.seed, 0.0, 0, pool()
     while total < wanted:
         family = families[seed % len(families)]
-        row = case(seed, family, options.plant)
+        row, workers = answered(workers, seed, family, options.plant)
         seed += 1
+        if "died" in row:
+            sums[family]["died"] += 1
+            report.say(f"seed {seed - 1}, {family}: the process died, asked for {row['died']}")
+            if options.write:
+                with options.write.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+            continue
         if "refused" in row:
             refused[f"{family}: {row['refused'][:120]}"] += 1
             continue
@@ -353,6 +387,8 @@ def main() -> None:
         )
     report.say(f"seeds {options.seed} to {seed - 1}, {sum(refused.values())} pixels refused; worst ratio {worst:.3g}")
     told = sum(held["told"] for held in sums.values())
+    died = sum(held["died"] for held in sums.values())
+    report.claim_number("pixels that end the process", died, 0)
     report.claim_number("derivatives beyond 3 times what they state", sum(held["beyond"] for held in sums.values()), 0)
     report.claim_number("share of derivatives that differences do not tell", 1.0 - told / max(1, total), 0.5)
     report.leave()

@@ -271,7 +271,7 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     return made | {
         "kind": scene["shapes"][0]["type"], "pixels": everyone, "values": values, "stated": stated,
         "status": np.array([status[j, i] for i, j in everyone]), "mean": mean[:, None] * one.color, "doubt": doubt,
-        "off": off, "beyond": beyond, "told": doubt <= TOLD * stated, "signal": mean * color > 3 * stated,
+        "told": doubt <= np.maximum(TOLD * stated, 1e3 * FAINT * level), "off": off, "beyond": beyond, "signal": mean * color > 3 * stated,
         "grave": beyond & (off > tol), "seconds": seconds, "took": took, "squares": squares,
     }  # fmt: skip
 
@@ -327,7 +327,8 @@ def main() -> None:
     report.say(
         f"{sums['pixels']} pixels of {sums['scenes']} scenes, seeds {options.seed} to {seed - 1} ({dict(kinds)}), "
         f"{sums['refused']} refused; {sums['met']} with status met; {sums['signal']} with a signal of more than "
-        f"3 times what is stated; {sums['told']} told to {TOLD} of what is stated, {sums['both']} of these with "
+        f"3 times what is stated; {sums['told']} told to {TOLD} of what is stated or 1e-9 of what "
+        f"is shown, {sums['both']} of these with "
         f"a signal; "
         f"{sums['beyond']} beyond, {sums['grave']} of these off by more than the tolerance; "
         f"worst ratio {worst:.3g}; {1e3 * seconds / sums['pixels']:.3g} and {1e3 * took / sums['pixels']:.3g} ms a "
