@@ -209,13 +209,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="the first scene's")
     parser.add_argument("--plant", action="store_true", help="plant a fault that the judge must see")
     parser.add_argument("--write", type=Path, help="file for the pixels that are beyond, one JSON object a line")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="leave off after so long, however few they are")
     options = parser.parse_args()
+    last = time.monotonic() + options.seconds
     wanted = options.count or (QUICK if options.quick else PIXELS)
     report = Report("coincident_planes_are_stated", __doc__.split("\n")[0])
     sums: Counter[str] = Counter()
     refused: Counter[str] = Counter()
     worst, seconds, seed = 0.0, 0.0, options.seed
-    while sums["pixels"] < wanted:
+    while sums["pixels"] < wanted and time.monotonic() < last:
         row = case(seed, options.plant)
         seed += 1
         if "refused" in row:
@@ -250,7 +252,7 @@ def main() -> None:
         f"{sums['pixels']} pixels, seeds {options.seed} to {seed - 1}, {sums['balls']} among balls, "
         f"{sum(refused.values())} scenes refused; {sums['met']} met, {sums['signal']} with a mean above .01, "
         f"{sums['known']} stated to a tenth of themselves, {sums['told']} told to {TOLD} of what is stated; worst "
-        f"ratio {worst:.3g}; {1e3 * seconds / sums['pixels']:.3g} ms a pixel"
+        f"ratio {worst:.3g}; {1e3 * seconds / max(1, sums['pixels']):.3g} ms a pixel"
     )
     report.claim_number("pixels beyond 1.5 times what they state", sums["beyond"], 0)
     report.claim_number("share of pixels that nobody tells", 1.0 - sums["told"] / max(1, sums["pixels"]), 0.6)

@@ -327,7 +327,9 @@ def main() -> None:
     parser.add_argument("--family", choices=list(FAMILIES), help="one family alone")
     parser.add_argument("--plant", action="store_true", help="plant a fault that the judge must see")
     parser.add_argument("--write", type=Path, help="file for the derivatives that are beyond, one JSON object a line")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="leave off after so long, however few they are")
     options = parser.parse_args()
+    last = time.monotonic() + options.seconds
     wanted = options.count or (QUICK if options.quick else DERIVATIVES)
     report = Report("filtered_slopes_are_stated", __doc__.split("\n")[0])
     families = [options.family] if options.family else list(FAMILIES)
@@ -335,7 +337,7 @@ def main() -> None:
     kinds: dict[str, Counter[str]] = {}
     refused: Counter[str] = Counter()
     seed, worst, total, workers = options.seed, 0.0, 0, pool()
-    while total < wanted:
+    while total < wanted and time.monotonic() < last:
         family = families[seed % len(families)]
         row, workers = answered(workers, seed, family, options.plant)
         seed += 1

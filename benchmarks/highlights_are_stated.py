@@ -271,7 +271,8 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     return made | {
         "kind": scene["shapes"][0]["type"], "pixels": everyone, "values": values, "stated": stated,
         "status": np.array([status[j, i] for i, j in everyone]), "mean": mean[:, None] * one.color, "doubt": doubt,
-        "told": doubt <= np.maximum(TOLD * stated, 1e3 * FAINT * level), "off": off, "beyond": beyond, "signal": mean * color > 3 * stated,
+        "told": doubt <= np.maximum(TOLD * stated, 1e3 * FAINT * level), "off": off, "beyond": beyond,
+        "signal": mean * color > 3 * stated,
         "grave": beyond & (off > tol), "seconds": seconds, "took": took, "squares": squares,
     }  # fmt: skip
 
@@ -283,13 +284,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="the first scene's")
     parser.add_argument("--plant", action="store_true", help="plant a fault that the judge must see")
     parser.add_argument("--write", type=Path, help="file for the pixels that are beyond, one JSON object a line")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="leave off after so long, however few they are")
     options = parser.parse_args()
+    last = time.monotonic() + options.seconds
     wanted = options.count or (QUICK if options.quick else PIXELS)
     report = Report("highlights_are_stated", __doc__.split("\n")[0])
     sums: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
     worst, seconds, took, seed = 0.0, 0.0, 0.0, options.seed
-    while sums["pixels"] < wanted:
+    while sums["pixels"] < wanted and time.monotonic() < last:
         row = case(seed, options.plant)
         seed += 1
         sums["scenes"] += 1
@@ -331,7 +334,7 @@ def main() -> None:
         f"is shown, {sums['both']} of these with "
         f"a signal; "
         f"{sums['beyond']} beyond, {sums['grave']} of these off by more than the tolerance; "
-        f"worst ratio {worst:.3g}; {1e3 * seconds / sums['pixels']:.3g} and {1e3 * took / sums['pixels']:.3g} ms a "
+        f"worst ratio {worst:.3g}; {1e3 * seconds / max(1, sums['pixels']):.3g} and {1e3 * took / max(1, sums['pixels']):.3g} ms a "
         "pixel, the package's and the judge's"
     )
     report.claim_number("pixels beyond 1.5 times what they state", sums["beyond"], 0)

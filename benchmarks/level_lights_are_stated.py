@@ -234,13 +234,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="the first scene's")
     parser.add_argument("--plant", action="store_true", help="plant a fault that the judge must see")
     parser.add_argument("--write", type=Path, help="file for the values that are beyond, one JSON object a line")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="leave off after so long, however few they are")
     options = parser.parse_args()
+    last = time.monotonic() + options.seconds
     wanted = options.count or (QUICK if options.quick else VALUES)
     report = Report("level_lights_are_stated", __doc__.split("\n")[0])
     sums: Counter[str] = Counter()
     refused: Counter[str] = Counter()
     worst, seconds, seed = 0.0, 0.0, options.seed
-    while sums["judged"] < wanted:
+    while sums["judged"] < wanted and time.monotonic() < last:
         row = case(seed, options.plant)
         seed += 1
         if "refused" in row:
@@ -277,7 +279,7 @@ def main() -> None:
         f"{sums['judged']} values, seeds {options.seed} to {seed - 1}, {sums['bounced']} with a bounce, "
         f"{sums['skipped']} whose judges differ, {sum(refused.values())} scenes refused; {sums['met']} met; "
         f"{sums['lit']} lit, {sums['told']} told by lights that are lifted; worst ratio {worst:.3g}; "
-        f"{1e3 * seconds / sums['judged']:.3g} ms each, three probes"
+        f"{1e3 * seconds / max(1, sums['judged']):.3g} ms each, three probes"
     )
     report.claim_number("values that differ from those of a light lifted off the plane", sums["beyond"], 0)
     report.claim_number("share of values whose judges differ", sums["skipped"] / max(1, sums["judged"]), 0.3)

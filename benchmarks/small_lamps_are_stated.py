@@ -284,14 +284,16 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="the first scene's")
     parser.add_argument("--plant", action="store_true", help="plant a fault that the judge must see")
     parser.add_argument("--write", type=Path, help="file for the values that are beyond, one JSON object a line")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="leave off after so long, however few they are")
     options = parser.parse_args()
+    last = time.monotonic() + options.seconds
     wanted = options.count or (QUICK if options.quick else VALUES)
     report = Report("small_lamps_are_stated", __doc__.split("\n")[0])
     sums: Counter[str] = Counter()
     refused: Counter[str] = Counter()
     bands: dict[int, list[float]] = {}
     worst, seed, begun = 0.0, options.seed, time.process_time()
-    while sums["judged"] < wanted:
+    while sums["judged"] < wanted and time.monotonic() < last:
         row = case(seed, options.plant)
         seed += 1
         if "refused" in row:
@@ -328,7 +330,7 @@ def main() -> None:
     report.say(
         f"{sums['judged']} values, seeds {options.seed} to {seed - 1}, {sums['hidden']} with a ball before the lamp, "
         f"{sum(refused.values())} scenes refused; {sums['lit']} lit, {sums['sharp']} stated to 1e-6 of themselves; "
-        f"worst ratio {worst:.3g}; {1e3 * (time.process_time() - begun) / sums['judged']:.3g} ms each, both sides"
+        f"worst ratio {worst:.3g}; {1e3 * (time.process_time() - begun) / max(1, sums['judged']):.3g} ms each, both sides"
     )
     report.claim_number("values beyond 1.5 times what they state", sums["beyond"], 0)
     report.claim_number("share of values that are dark", 1.0 - sums["lit"] / max(1, sums["judged"]), 0.2)
