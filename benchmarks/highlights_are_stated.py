@@ -334,8 +334,8 @@ def main() -> None:
         f"is shown, {sums['both']} of these with "
         f"a signal; "
         f"{sums['beyond']} beyond, {sums['grave']} of these off by more than the tolerance; "
-        f"worst ratio {worst:.3g}; {1e3 * seconds / max(1, sums['pixels']):.3g} and {1e3 * took / max(1, sums['pixels']):.3g} ms a "
-        "pixel, the package's and the judge's"
+        f"worst ratio {worst:.3g}; {1e3 * seconds / max(1, sums['pixels']):.3g} and "
+        f"{1e3 * took / max(1, sums['pixels']):.3g} ms a pixel, the package's and the judge's"
     )
     report.claim_number("pixels beyond 1.5 times what they state", sums["beyond"], 0)
     report.claim_number("share of pixels that nobody tells", 1.0 - sums["told"] / max(1, sums["pixels"]), 0.5)

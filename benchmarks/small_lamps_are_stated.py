@@ -330,7 +330,7 @@ def main() -> None:
     report.say(
         f"{sums['judged']} values, seeds {options.seed} to {seed - 1}, {sums['hidden']} with a ball before the lamp, "
         f"{sum(refused.values())} scenes refused; {sums['lit']} lit, {sums['sharp']} stated to 1e-6 of themselves; "
-        f"worst ratio {worst:.3g}; {1e3 * (time.process_time() - begun) / max(1, sums['judged']):.3g} ms each, both sides"
+        f"worst ratio {worst:.3g}; {1e3 * (time.process_time() - begun) / max(1, sums['judged']):.3g} ms each"
     )
     report.claim_number("values beyond 1.5 times what they state", sums["beyond"], 0)
     report.claim_number("share of values that are dark", 1.0 - sums["lit"] / max(1, sums["judged"]), 0.2)
