@@ -214,7 +214,9 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     # the light moved by 3e-9 at most, over places .1 from it at least
     moved = 1e-6 * (1.0 + np.abs(one.radiance).max(axis=1))
     both = one.error + two.error
-    agree = np.abs(one.radiance - two.radiance).max(axis=1) <= both + moved
+    # a point lifted off a plane lights a spot of it, however low, with half of all its power, and that bounces
+    same = made["bounces"] == 0 or light["type"] == "directional"
+    agree = same & (np.abs(one.radiance - two.radiance).max(axis=1) <= both + moved)
     off = np.abs(said.radiance - 0.5 * (one.radiance + two.radiance)).max(axis=1)
     bright = one.radiance.max(axis=1)
     beyond = agree & (off > FACTOR * said.error + both + moved)
