@@ -216,6 +216,10 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     both = one.error + two.error
     # a point lifted off a plane lights a spot of it, however low, with half of all its power, and that bounces
     same = made["bounces"] == 0 or light["type"] == "directional"
+    # and a light is lifted to the side of the first ray's eye
+    for shape in holding:
+        heights = (origins - shape["point"]) @ np.array(shape["normal"], float)
+        same = same & (heights * heights[0] > 0)
     agree = same & (np.abs(one.radiance - two.radiance).max(axis=1) <= both + moved)
     off = np.abs(said.radiance - 0.5 * (one.radiance + two.radiance)).max(axis=1)
     bright = one.radiance.max(axis=1)
