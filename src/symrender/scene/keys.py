@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Any, Final, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
@@ -116,6 +116,10 @@ def _accepts(info: FieldInfo) -> str:
         words = "a list of mappings" if inner is not None else "a mapping"
         none = " or null" if info.default is None and not info.is_required() else ""
         return words + (f" with `type` {kinds}" if kinds else "") + none
+    parts = get_args(info.annotation)
+    if int in parts:
+        literals = [f"`{word}`" for part in parts if get_origin(part) is Literal for word in get_args(part)]
+        return ", ".join(["a whole number", *literals])
     return "true or false" if info.annotation is bool else "text"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Final
 
 from symrender.scene.printable import printable
@@ -11,6 +12,8 @@ _LONGEST: Final = 400
 _EXACT_DIGITS: Final = 18
 
 
+# files repeat a few numbers many times
+@lru_cache(maxsize=1024)
 def number(text: str) -> int | float:
     """The number ``text`` spells in decimal; ValueError if it is too long or beyond double precision."""
     if len(text) > _LONGEST:

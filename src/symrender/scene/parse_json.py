@@ -13,6 +13,7 @@ from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
 _SPACE: Final = re.compile(r"[ \t\n\r]*")
+_SPACES: Final = " \t\n\r"
 _NUMBER: Final = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")
 _TEXT: Final = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*"')
 _WORD: Final = re.compile(r"[^\s\[\]{},:\"]{1,40}|.", re.DOTALL)
@@ -36,6 +37,10 @@ class _Reader:
 
     def peek(self) -> str:
         """The next character that is not white space, or nothing at the end."""
+        found = self.text[self.at : self.at + 1]
+        # most values are not preceded by space: a search is slow for long lists
+        if found not in _SPACES or not found:
+            return found
         space = _SPACE.match(self.text, self.at)
         self.at = space.end() if space else self.at
         return self.text[self.at : self.at + 1]
@@ -119,8 +124,9 @@ class _Reader:
         while True:
             self.peek()
             self.count()
-            self.marks[(*path, len(result))] = self.mark()
-            result.append(self.value((*path, len(result)), depth))
+            here = (*path, len(result))
+            self.marks[here] = self.mark()
+            result.append(self.value(here, depth))
             if self.closes("]"):
                 return result
 

@@ -7,6 +7,7 @@ refused where they stand, before anything is constructed.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any, Final
 
 import yaml
@@ -31,6 +32,8 @@ _WORDS: Final[dict[str, bool | None]] = {
 }
 
 
+# files repeat a few numbers many times
+@lru_cache(maxsize=1024)
 def _plain(text: str) -> Any:
     """A plain scalar under the YAML 1.2 core schema; ValueError for a number no scene can hold."""
     if text in _WORDS:
