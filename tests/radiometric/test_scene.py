@@ -92,8 +92,8 @@ SKY = {"type": "sky", "name": "a", "radiance": 1}
     ("change", "words"),
     [
         ({"units": "photometric"}, "units: must be series or radiometric, got the text 'photometric'"),
-        ({"bounces": 2}, "bounces: must be 0 or 1 or all, got 2"),
-        ({"bounces": True}, "bounces: must be 0 or 1 or all, got true"),
+        ({"bounces": -1}, "bounces: must be a whole number from 0 to 1024, or all, got -1"),
+        ({"bounces": True}, "bounces: must be a whole number from 0 to 1024, or all, got true"),
         ({"shapes": [{"type": "rectangle"}]}, "shapes[0].corner: missing, must be a list of 3 numbers"),
         ({"shapes": [{"type": "triangle"}]}, "shapes[0].vertices: missing, must be a list of 3 lists of numbers"),
         ({"shapes": [{"type": "disk"}]}, "shapes[0].center: missing"),
@@ -164,7 +164,7 @@ def test_keys_list_radiometric_scenes_too() -> None:
     for row in (
         "### `materials.NAME`, type: conductor",
         "| `alpha` | required | ≥ 0.0001 and ≤ 1 |",
-        "| `bounces` | required | `0`, `1`, `all` |",
+        "| `bounces` | required | a whole number, `all` |",
         "### `lights[]`, type: sky",
     ):
         assert row in part, row

@@ -24,7 +24,7 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.budgets import AGAIN, HOPELESS, LATE, beside
+from symrender.runtimes.budgets import AGAIN, HOPELESS, beside
 from symrender.scene.arrays import FIRST_SPHERE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
@@ -241,20 +241,19 @@ class Bouncer:
             if self._scratch is None:
                 self._scratch = split_work(world, scene.lights, bounce.glows is not None)
             surface = np.full(len(some), bounce.classes[own])
-            share, each = SHARE * tol / (most * len(bounce.parts)), max(1, budget // len(bounce.parts))
+            share = SHARE * tol / (most * len(bounce.parts))
             sky = world.shading.background
             under = float(sky.max())
             if conductors is not None and material.kind == CONDUCTOR and under > 0.0:
-                each = max(1, each // 2)
                 # one half of the tolerance is for what shapes take from the sky, the other for the whole of it
                 share *= 0.5
                 whole = directional_albedo(
-                    conductors[int(bounce.classes[own])], -(travel * normal).sum(axis=1), share / under, each,
+                    conductors[int(bounce.classes[own])], -(travel * normal).sum(axis=1), share / under, budget,
                     self._scratch,
                 )  # fmt: skip
                 self._add(some, whole, sky, total, missed, found)
             lobes = (place, normal, -normal if material.kind == DIFFUSE else travel, surface)
-            seen = gloss_within(scene, *lobes, share, each, self._scratch)
+            seen = gloss_within(scene, *lobes, share, budget, self._scratch)
             self._add(some, seen, np.ones(3), total, missed, found)
         albedo = hits.albedo[some]
         found.indirect[some], found.incoming[some] = albedo * total, total
@@ -306,10 +305,8 @@ def gloss_within(
     """
     seen = gloss_at(scene, points, normals, incoming, surface, tol, budget, scratch)
     allowed = tol
-    # one that was none for a first rule is none for a looser one
-    lasted = seen.evaluations <= LATE * budget
     for part, looser in AGAIN:
-        short = lasted & (seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error)
+        short = (seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error)
         left = np.flatnonzero(short)
         if not len(left):
             break
