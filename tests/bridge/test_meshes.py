@@ -33,7 +33,7 @@ def test_files_hold_the_triangles_of_the_scene() -> None:
     )
     # Mitsuba keeps vertices in single precision, and the file says so
     net = read_ply(files["M.ply"].encode())
-    assert np.array(net.vertices)[np.array(net.faces)] == pytest.approx(there, abs=2e-7)
+    assert np.array(net.vertices)[[corners for corners, _ in net.polygons]] == pytest.approx(there, abs=2e-7)
     text = sr.export(made, "pbrt").files["scene.pbrt"].split("# shapes.M")[1]
     indices = np.array(re.search(r'"integer indices" \[ (.*?) \]', text)[1].split(), int)  # type: ignore[index]
     places = np.array(re.search(r'"point3 P" \[ (.*?) \]', text)[1].split(), float)  # type: ignore[index]
@@ -44,7 +44,7 @@ def test_a_mesh_is_moved_with_its_scene() -> None:
     moved = sr.export(scene(), "mitsuba", scale=100.0, center=(0.3, 0.2, 0.0)).files["M.ply"]
     net = read_ply(moved.encode())
     there = 100.0 * (np.array(faces(scene()["shapes"][1])) - [0.3, 0.2, 0.0])
-    assert np.array(net.vertices)[np.array(net.faces)] == pytest.approx(there, rel=2e-7, abs=2e-5)
+    assert np.array(net.vertices)[[corners for corners, _ in net.polygons]] == pytest.approx(there, rel=2e-7, abs=2e-5)
 
 
 def test_what_another_renderer_has_not_is_refused() -> None:

@@ -32,7 +32,7 @@ def _sent(job: Job) -> Job:
 
 
 def test_a_scene_at_hand_is_not_read_from_its_text(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> AnyScene:
+    def refuse(*_: object, **__: object) -> AnyScene:
         raise AssertionError("the text was read")
 
     prepared.cache_clear()

@@ -81,7 +81,7 @@ def test_pairs_and_probes_are_tables() -> None:
 
 
 def test_a_fit_is_a_table_of_values() -> None:
-    made = sr.Fit(sr.load("gloss"), {"a": 1.5}, {"a": 0.25}, (), True, "small change", 1e-7, np.eye(1))
+    made = sr.Fit(sr.load("gloss"), {"a": 1.5}, {"a": 0.25}, (), True, "small change", 1e-7, np.eye(1), 1, (), {})
     assert (
         "<td" in made._repr_html_() and "1.5" in made._repr_html_() and "converged: small change" in made._repr_html_()
     )
@@ -98,7 +98,7 @@ def test_in_a_console_they_are_read_too() -> None:
     assert repr(pair.ledger) == pair.ledger.text() == repr(pair)
     compared = sr.compare(pair.numeric, pair.symbolic)
     assert repr(compared) == compared.text() and repr(compared).startswith("Comparing")
-    made = sr.Fit(sr.load("gloss"), {"a": 1.5}, {"a": 0.25}, (), True, "small change", 1e-7, np.eye(1))
+    made = sr.Fit(sr.load("gloss"), {"a": 1.5}, {"a": 0.25}, (), True, "small change", 1e-7, np.eye(1), 1, (), {})
     assert repr(made).splitlines()[-1] == "a  1.5 +- 0.2"
     assert repr(ramp().view()) == "Picture(5x2, radiance x 2^0, clip, sRGB)"
 

@@ -169,7 +169,7 @@ def test_one_bounce_is_mitsubas_within_noise() -> None:
 def test_what_takes_a_lobe_is_refused_by_name() -> None:
     scene = sr.load("metal").replace({"bounces": "all"})
     for call in (
-        lambda: sr.truth(scene, size=4),
+        lambda: sr.truth(scene, size=4, method="quadrature"),
         lambda: sr.render(scene, size=4),
         lambda: sr.probe(scene, rays=([0, -5, 2], [0, 1, 0])),
     ):

@@ -32,7 +32,7 @@ class Tally:
 
 def judged(scene: RadiometricScene) -> tuple[float, float, float]:
     """(how far the value of the one pixel is off, what is stated, its radiance)."""
-    image, arrays = sr.truth(scene, size=1, threads=1, tile=1), radiometric_arrays(scene)
+    image, arrays = sr.truth(scene, size=1, threads=1, tile=1, method="quadrature"), radiometric_arrays(scene)
     (move,) = radiometric_moves(scene, ["camera.fov"])
     exact, _, _ = many_digits.value_and_slope(seen(arrays, 1, 1), seen_moves(arrays, move, 1, 1))
     off = max(abs(float(a - b)) for a, b in zip(exact, image.radiance[0, 0], strict=True))

@@ -80,7 +80,7 @@ def test_walls_take_their_half_space() -> None:
 def test_what_hides_everything_leaves_nothing_and_what_is_twice_there_counts_once() -> None:
     upright = wall("wall", [1, 0, 0], [-1, 0, 0])
     ceiling = {"type": "plane", "name": "lid", "point": [0, 0, 2], "normal": [0, 0, -1], "material": "white"}
-    assert share(scene(FLOOR, ceiling), [0.0, 0.0]) == 0.0
+    assert share(scene(FLOOR, ceiling), [0.0, 0.0]) == pytest.approx(0.0, abs=1e-15)
     assert share(scene(FLOOR, upright, upright | {"name": "same"}), [0, 0]) == pytest.approx(0.5, abs=1e-14)
     behind = upright | {"name": "behind", "point": [3, 0, 0]}
     assert share(scene(FLOOR, upright, behind), [0, 0]) == pytest.approx(0.5, abs=1e-14)

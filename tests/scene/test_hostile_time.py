@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from itertools import pairwise
 
@@ -64,6 +65,9 @@ def test_the_merge_chain_is_the_one_measured() -> None:
 def test_bombs_are_refused_at_once(name: str) -> None:
     text, suffix = BOMBS[name]
     best = float("inf")
+    # what other tests left on the heap is not the parser's to collect
+    gc.collect()
+    gc.freeze()
     for _ in range(3):
         start = time.process_time()
         with pytest.raises(SceneError):
@@ -71,4 +75,5 @@ def test_bombs_are_refused_at_once(name: str) -> None:
         best = min(best, time.process_time() - start)
         if best < LIMIT:
             break
+    gc.unfreeze()
     assert in_processor_time(best, LIMIT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
@@ -144,11 +145,15 @@ class Bouncer:
             first, *others = (self._blurred(each, blurred) for each in (first, *others))
         found = self.light(first, tol, budget)
         doubts = [np.zeros(len(found.error))]
-        for other in others:
-            same = (first.shape == other.shape) & (first.behind == other.behind)
-            elsewhere = np.flatnonzero(~same)
-            again = self.light(other.some(elsewhere), tol, beside(budget, len(others))) if len(elsewhere) else None
-            doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
+        elsewhere = [np.flatnonzero((first.shape != each.shape) | (first.behind != each.behind)) for each in others]
+        shares = beside(budget, found.evaluations, elsewhere)
+        for other, rays_there in zip(others, elsewhere, strict=True):
+
+            def ask(some: Ints, share: int, at: Hits = other) -> Bounced:
+                return self.light(at.some(some), tol, share)
+
+            again = by_share(ask, rays_there, shares)
+            doubts.append(doubted(found, np.abs(other.albedo - first.albedo), rays_there, again))
         found.error[:] += np.max(doubts, axis=0)
         return found
 
@@ -273,15 +278,28 @@ class Bouncer:
         found.evaluations[some] += seen.evaluations
 
 
-def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced | None) -> Array:
+def by_share(ask: Callable[[Ints, int], Bounced], rays: Ints, shares: Ints) -> Bounced:
+    """``ask(some, share)`` of all ``rays``, those of one share (N,) together."""
+    count = len(rays)
+    found = Bounced(
+        np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64)
+    )
+    for share in np.unique(shares[rays]):
+        rows = np.flatnonzero(shares[rays] == share)
+        part = ask(rays[rows], int(share))
+        for name in ("indirect", "incoming", "error", "status", "evaluations"):
+            getattr(found, name)[rows] = getattr(part, name)
+    return found
+
+
+def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced) -> Array:
     """(N,) by how much light of N places changes where they reflect otherwise by ``off`` (N, 3) in a shaken scene.
 
     Those of ``elsewhere`` are other places there, whose light is that of ``again``; its evaluations are added.
     """
     doubts: Array = (off * found.incoming).max(axis=1, initial=0.0)
-    if again is not None:
-        doubts[elsewhere] = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
-        found.evaluations[elsewhere] += again.evaluations
+    doubts[elsewhere] = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
+    found.evaluations[elsewhere] += again.evaluations
     return doubts
 
 

@@ -21,7 +21,7 @@ from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, doubted, sharpness
+from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, by_share, doubted, sharpness
 from symrender.runtimes.budgets import beside
 from symrender.runtimes.pixels import MOST_WALLS, mean_world
 from symrender.scene.arrays import SOLID
@@ -84,12 +84,15 @@ class CutBouncer:
         first, *others = (_met(world, *pair) for world, pair in zip(self._worlds, rays, strict=True))
         found = self._light(first, rays[0][1], tol, budget)
         doubts = [np.zeros(len(found.error))]
-        for other in others:
-            elsewhere = np.flatnonzero((first.piece != other.piece) | (first.shows != other.shows))
-            again = None
-            if len(elsewhere):
-                again = self._light(other.some(elsewhere), rays[0][1][elsewhere], tol, beside(budget, len(others)))
-            doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
+        elsewhere = [np.flatnonzero((first.piece != each.piece) | (first.shows != each.shows)) for each in others]
+        shares = beside(budget, found.evaluations, elsewhere)
+        for other, rays_there in zip(others, elsewhere, strict=True):
+
+            def ask(some: Ints, share: int, at: Met = other) -> Bounced:
+                return self._light(at.some(some), rays[0][1][some], tol, share)
+
+            again = by_share(ask, rays_there, shares)
+            doubts.append(doubted(found, np.abs(other.albedo - first.albedo), rays_there, again))
         return replace(found, error=found.error + np.max(doubts, axis=0))
 
     def _light(self, met: Met, travel: Array, tol: float, budget: int) -> Bounced:

@@ -23,8 +23,9 @@ from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
 from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
-from symrender.runtimes.bounce import Bouncer
+from symrender.runtimes.bounce import Bounced, Bouncer, by_share
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
+from symrender.runtimes.budgets import after
 from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
@@ -90,20 +91,20 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
             directions = np.zeros((count, 3))
             _kernel("fill_directions")(view.window, *tile_, directions)
             sent.append((np.tile(view.eye, (count, 1)), directions))
-        status, evaluations = np.zeros(shape, np.int64), count
+        status, evaluations = np.zeros(shape, np.int64), np.zeros(count, np.int64)
         if arrays.bounces:
             # a tile may be rendered twice
             layers["indirect"][here] = 0.0
         for name, bouncer in own.bouncers.items():
-            found_there = bouncer.sent(sent, settings.tol, max(1, settings.budget // len(own.bouncers)))
+            found_there = sent_within(bouncer, sent, settings.tol, after(settings.budget, evaluations))
             light = found_there.indirect.reshape(*shape, 3)
             layers[name][here] += light
             layers["radiance"][here] += light
             layers["error"][here] += found_there.error.reshape(shape)
             status = np.maximum(status, found_there.status.reshape(shape))
-            evaluations += int(found_there.evaluations.sum())
+            evaluations += found_there.evaluations
         layers["status"][here] = _status(layers["error"][here], status, settings.tol)
-        return evaluations
+        return count + int(evaluations.sum())
 
     return render
 
@@ -212,7 +213,7 @@ def ray_answers(arrays: RadiometricArrays, tol: float, budget: int = BUDGET) -> 
         if not hasattr(own, "bouncers"):
             own.bouncers = {name: _bouncer(arrays, name, tol, budget) for name in integrated}
         for name, bouncer in own.bouncers.items():
-            bounced = bouncer.sent(sent, tol, max(1, budget // len(own.bouncers)))
+            bounced = sent_within(bouncer, sent, tol, after(budget, evaluations - 1))
             if name == "direct":
                 direct = direct + bounced.indirect
             else:
@@ -222,6 +223,17 @@ def ray_answers(arrays: RadiometricArrays, tol: float, budget: int = BUDGET) -> 
         return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
 
     return answer
+
+
+def sent_within(
+    bouncer: Bouncer | CutBouncer | Gatherer, rays: list[tuple[Array, Array]], tol: float, shares: Ints
+) -> Bounced:  # fmt: skip
+    """``bouncer.sent`` of rays, each within its own share (N,) of evaluations."""
+
+    def ask(some: Ints, share: int) -> Bounced:
+        return bouncer.sent([(origins[some], directions[some]) for origins, directions in rays], tol, share)
+
+    return by_share(ask, np.arange(len(shares)), shares)
 
 
 def integrated_layers(arrays: RadiometricArrays) -> tuple[str, ...]:

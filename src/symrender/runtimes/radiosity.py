@@ -18,7 +18,7 @@ from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
 from symrender.radiosity.table import brightest
-from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
+from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, by_share, sharpness
 from symrender.runtimes.budgets import AGAIN, LATE, beside
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
@@ -62,13 +62,18 @@ class Gatherer:
         """
         first, *others = (self._met(world, *pair, blurred) for world, pair in zip(self._worlds, rays, strict=True))
         found = self._light(*first, budget)
-        for at, albedo in others:
-            elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
-            if len(elsewhere):
-                again = self._light(at.some(elsewhere), albedo[elsewhere], beside(budget, len(others)))
-                off = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
-                found.error[elsewhere] = np.maximum(found.error[elsewhere], off)
-                found.evaluations[elsewhere] += again.evaluations
+        here = first[0]
+        elsewhere = [np.flatnonzero((at.own != here.own) | (at.front != here.front)) for at, _ in others]
+        shares = beside(budget, found.evaluations, elsewhere)
+        for (at, albedo), rays_there in zip(others, elsewhere, strict=True):
+
+            def ask(some: Ints, share: int, at: Places = at, albedo: Array = albedo) -> Bounced:
+                return self._light(at.some(some), albedo[some], share)
+
+            again = by_share(ask, rays_there, shares)
+            off = np.abs(again.indirect - found.indirect[rays_there]).max(axis=1) + again.error
+            found.error[rays_there] = np.maximum(found.error[rays_there], off)
+            found.evaluations[rays_there] += again.evaluations
         found.status[:] = np.where(found.error > tol, np.maximum(found.status, CAPPED), MET)
         return found
 

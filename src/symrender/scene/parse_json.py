@@ -16,6 +16,8 @@ _SPACE: Final = re.compile(r"[ \t\n\r]*")
 _SPACES: Final = " \t\n\r"
 _NUMBER: Final = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")
 _TEXT: Final = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*"')
+_NUMBER_ITEM: Final = re.compile(rf"[ \t\n\r]*({_NUMBER.pattern})[ \t\n\r]*(?:(,)|\])")
+"""A number in a list, with the comma or the bracket behind it."""
 _WORD: Final = re.compile(r"[^\s\[\]{},:\"]{1,40}|.", re.DOTALL)
 _WORDS: Final[dict[str, bool | None]] = {"null": None, "true": True, "false": False}
 
@@ -78,18 +80,20 @@ class _Reader:
         if first == '"':
             return self.text_value()
         if numeral := _NUMBER.match(self.text, self.at):
-            try:
-                value = number(numeral[0])
-            except ValueError as error:
-                value = None
-                self.problems.append(Problem(path, str(error)))
             self.at = numeral.end()
-            return value
+            return self.number(numeral[0], path)
         word = _WORD.match(self.text, self.at)
         if word is None or word[0] not in _WORDS:
             raise self.unexpected("a value")
         self.at = word.end()
         return _WORDS[word[0]]
+
+    def number(self, numeral: str, path: Path) -> int | float | None:
+        try:
+            return number(numeral)
+        except ValueError as error:
+            self.problems.append(Problem(path, str(error)))
+            return None
 
     def mapping(self, path: Path, depth: int) -> dict[str, Any]:
         result: dict[str, Any] = {}
@@ -122,6 +126,16 @@ class _Reader:
             self.at += 1
             return result
         while True:
+            # long lists hold numbers: one match an item
+            while item := _NUMBER_ITEM.match(self.text, self.at):
+                self.at = item.start(1)
+                self.count()
+                here = (*path, len(result))
+                self.marks[here] = self.mark()
+                result.append(self.number(item[1], here))
+                self.at = item.end()
+                if not item[2]:
+                    return result
             self.peek()
             self.count()
             here = (*path, len(result))

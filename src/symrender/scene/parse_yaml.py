@@ -76,7 +76,10 @@ class _Builder:
     def count(self, mark: Mark) -> None:
         self.entries += 1
         if self.entries > self.most:
-            raise Malformed(f"a scene file may hold at most {self.most} keys and items", mark)
+            raise self.too_many(mark)
+
+    def too_many(self, mark: Mark) -> Malformed:
+        return Malformed(f"a scene file may hold at most {self.most} keys and items", mark)
 
     def take_key(self, event: yaml.ScalarEvent, mark: Mark) -> None:
         name = str(event.value)
@@ -127,7 +130,8 @@ class _Builder:
         self.key.pop()
 
     def scalar(self, event: yaml.ScalarEvent, mark: Mark) -> None:
-        if self.expects_key():
+        holder, path = self.frames[-1] if self.frames else (None, ())
+        if isinstance(holder, dict) and self.key[-1] is None:
             self.take_key(event, mark)
             return
         try:
@@ -135,7 +139,15 @@ class _Builder:
         except ValueError as error:
             value = None
             self.problems.append(Problem(self.path(), str(error)))
-        self.put(value, mark)
+        if isinstance(holder, list):
+            # the items of long lists: the entries of `put` without its calls
+            self.entries += 1
+            if self.entries > self.most:
+                raise self.too_many(mark)
+            self.marks[(*path, len(holder))] = mark
+            holder.append(value)
+        else:
+            self.put(value, mark)
 
 
 def _build(text: str, most: int, loader: Any = _LOADER) -> _Builder:

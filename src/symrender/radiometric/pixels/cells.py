@@ -67,6 +67,8 @@ class Eye(NamedTuple):
     """Of bounced light, where it comes from nearby (``hot.py``)."""
     lobe: Lobe | None = None
     """Of the eye that a place is for the light that it reflects (``lobes.py``)."""
+    relative: bool = False
+    """Whether light is that of a series, whose highlights are powers of cosines and at most 1."""
 
 
 class Cell(NamedTuple):

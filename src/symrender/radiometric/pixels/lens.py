@@ -59,7 +59,7 @@ def lens_mean(
         candidates[k] = k
     seen = Eye(
         eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.bounded, eye.delicate, eye.domain,
-        eye.nodes, eye.hot, eye.lobe,
+        eye.nodes, eye.hot, eye.lobe, eye.relative,
     )  # fmt: skip
     spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
     return spent, walls_in(seen, whole, room)

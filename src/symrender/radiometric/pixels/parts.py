@@ -26,7 +26,7 @@ from symrender.radiometric.pixels.cells import (
     step,
     window_cell,
 )
-from symrender.radiometric.pixels.highlights import hidden_powers
+from symrender.radiometric.pixels.highlights import hidden_light, hidden_powers
 from symrender.radiometric.pixels.hot import near_hot
 from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import (
@@ -143,7 +143,9 @@ def look(
     # how many times denser than four a cell nodes are to be, 0 where the cell is to be halved
     steps, hidden = 0, 0.0
     if densest == 0.0:
-        hidden = share * hidden_powers(eye, cell, room, limit)
+        # over the brightest light
+        hidden = hidden_powers(eye, cell, room, limit) if eye.relative else hidden_light(eye, cell, room, limit)
+        hidden *= share / (1.0 if eye.relative else max(eye.bright, 1e-300))
         steps = 0 if hidden > grain or too_sharp(eye, cell) else 1
     else:
         curved = own > 0 or lines > 0
