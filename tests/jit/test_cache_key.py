@@ -15,6 +15,8 @@ import pytest
 from symrender.jit import entries
 from symrender.jit.closure import closure_texts
 from symrender.jit.compiled import compiled
+from symrender.jit.generated import load_module
+from symrender.jit.source import module_text, text_of
 
 TEXTS = {
     "__init__": "",
@@ -86,3 +88,10 @@ def test_the_closure_of_imports_has_every_module(directory: Path) -> None:
     texts = closure_texts("symrender.quadrature.split_point")
     for path in ("scene/arrays.py", "chambers/walls.py", "chambers/work.py"):
         assert (Path(entries.__file__).parents[1] / path).read_text() in texts
+
+
+def test_generated_modules_keep_their_text_when_the_cache_of_lines_is_cleared() -> None:
+    module: Any = load_module("def doubled(x):\n    return 2.0 * x\n")
+    linecache.clearcache()
+    assert text_of(module.doubled.__code__, module.doubled.__globals__) == "def doubled(x):\n    return 2.0 * x\n"
+    assert module_text(module.__name__) == "def doubled(x):\n    return 2.0 * x\n"

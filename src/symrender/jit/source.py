@@ -32,9 +32,18 @@ class Source:
     webs: Webs
 
 
+def _lines(file: str, names: dict[str, Any]) -> str:
+    """Text of a file, or of the generated module whose globals are ``names``; "" where there is none."""
+    text = "".join(linecache.getlines(file, names))
+    if not text and file.startswith("<") and hasattr(names.get("__loader__"), "get_source"):
+        # anybody may have cleared the cache of lines, which fills itself from files alone
+        text = names["__loader__"].get_source(names["__name__"]) or ""
+    return text
+
+
 def text_of(code: CodeType, names: dict[str, Any]) -> str:
     """Text of the file or generated module that ``code`` comes from; ``names`` are its globals."""
-    text = "".join(linecache.getlines(code.co_filename, names))
+    text = _lines(code.co_filename, names)
     if not text:
         raise Refused(f"{code.co_name}: the text of {code.co_filename} is not to be had")
     return text
@@ -91,4 +100,4 @@ def module_text(name: str) -> str:
     """Text of an imported module, "" where it has none."""
     module = sys.modules[name]
     file = getattr(module, "__file__", None) or getattr(module.__spec__, "origin", None) or ""
-    return "".join(linecache.getlines(file, vars(module)))
+    return _lines(file, vars(module))
