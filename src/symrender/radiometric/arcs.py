@@ -25,6 +25,12 @@ TURN: Final = 2.0 * math.pi
 TURN_REST: Final = 2.4492935982947064e-16
 """2 pi less the double nearest to it."""
 _SAME: Final = 1e-12
+"""By how much circles differ that are the same but for roundings; of circles narrower than ``_THIN`` a part of it."""
+_THIN: Final = 1e-3
+_ROUNDED: Final = 4e-16
+"""By how much the components of a unit vector are rounded."""
+_NARROW: Final = 0.5
+"""Cosine of the angle within which a cap is narrow."""
 TOUCHING: Final = 1e-13
 """Circles whose discriminant is less touch but for roundings: how far they cross has no slope."""
 
@@ -115,9 +121,19 @@ def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector, inn
     return count + 1
 
 
-@inlined
+@jitable
 def level_about(c: Arc, o: Arc) -> tuple[float, float, float]:
-    """(A, B, C): along circle c, at angle t, A + B cos t + C sin t is positive inside the cap of o."""
+    """(A, B, C): along circle c, at angle t, A + B cos t + C sin t is positive inside the cap of o.
+
+    Of narrow caps near each other they come from differences of axes and of sines: those of cosines lose all digits.
+    """
+    a, b = vector(c.axis), vector(o.axis)
+    apart = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    square = dot(apart, apart)
+    if min(c.cosine, o.cosine) > _NARROW and square < 1.0 - _NARROW:
+        gap = (o.sine - c.sine) * (o.sine + c.sine) / (c.cosine + o.cosine)
+        along, across = dot(vector(c.first), apart), dot(vector(c.second), apart)
+        return gap - 0.5 * c.cosine * square, c.sine * along, c.sine * across
     return leaves.cap_level(
         *vector(c.axis), *vector(c.first), *vector(c.second), c.cosine, c.sine, *vector(o.axis), o.cosine
     )
@@ -199,10 +215,10 @@ def stretch_in_disk(c: Arc, rim: Arc) -> tuple[float, float]:
 @jitable
 def coincide(c: Arc, o: Arc) -> bool:
     """Whether two circles are the same but for roundings."""
-    apart = abs(c.cosine - o.cosine)
+    apart = max(abs(c.cosine - o.cosine), abs(c.sine - o.sine))
     for q in range(3):
         apart = max(apart, abs(c.axis[q] - o.axis[q]))
-    return apart < _SAME
+    return apart < max(_SAME * min(1.0, c.sine / _THIN), _ROUNDED)
 
 
 @jitable
@@ -227,7 +243,7 @@ def stretch(c: Arc, o: Arc, first: bool) -> tuple[float, float]:
     if cut <= 0.0:
         return 0.0, (TURN if middle > 0.0 else 0.0)
     root = math.sqrt(cut)
-    if cut < TOUCHING:
+    if cut < TOUCHING * min(1.0, across * across + along * along):
         # what is seen grows with the power 3/2 beyond a touch, and the ends of both arcs move alike
         root = moving.held(root)
     half = math.atan2(root, -middle)

@@ -14,7 +14,7 @@ near it.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 from symrender.chambers.caps import Arc
 from symrender.jit.marks import inlined, jitable
@@ -29,6 +29,26 @@ from symrender.radiometric.world import World
 
 _CLEAR: Final = 1e-9
 """Sine beyond which a direction is outside of a hemisphere, whatever was rounded."""
+_STEEP: Final = 0.9
+"""Cosine to the normal beyond which a lamp is taken to be overhead."""
+_NARROW: Final = 0.5
+"""Cosine to the direction that fluxes are taken about, up to which a circle's axis is near it."""
+_NOWHERE: Final = 0
+_NEAR: Final = 1
+_LEVEL: Final = 2
+
+
+class About(NamedTuple):
+    """The ``normal`` that light arrives at, and a direction ``near`` the light about which fluxes are taken.
+
+    It is the axis of the light's cone (``_NEAR``), or the direction in the plane across the normal that is nearest to
+    it (``_LEVEL``), and ``beside`` the third of a frame. ``_NOWHERE`` takes fluxes about the place.
+    """
+
+    normal: Vector
+    near: Vector
+    beside: Vector
+    mode: int
 
 
 @inlined
@@ -195,13 +215,90 @@ def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[i
 
 
 @jitable
-def add_arc(arc: Arc, begin: float, end: float, rest: float, sign: float, flux: Vector) -> Vector:
+def about_lamp(room: Room, count: int, normal: Vector) -> About:
+    """Where fluxes of arcs are taken about: a direction near a lamp that is a sphere, none of other lights."""
+    nowhere = (0.0, 0.0, 0.0)
+    for i in range(count):
+        arc = room.arcs[i]
+        if arc.cone == 0.0 and arc.cosine != 0.0:
+            axis = vector(arc.axis)
+            height = dot(axis, normal)
+            if height > _STEEP:
+                return About(normal, axis, nowhere, _NEAR)
+            level = minus(axis, (height * normal[0], height * normal[1], height * normal[2]))
+            size = math.sqrt(dot(level, level))
+            level = (level[0] / size, level[1] / size, level[2] / size)
+            return About(normal, level, cross(normal, level), _LEVEL)
+    return About(normal, nowhere, nowhere, _NOWHERE)
+
+
+@jitable
+def beyond_chord(span: float) -> float:
+    """x - 2 sin(x/2)."""
+    if span > 0.1:
+        return span - 2.0 * math.sin(0.5 * span)
+    s = span * span
+    return span * s / 24.0 * (1.0 - s / 80.0 * (1.0 - s / 168.0 * (1.0 - s / 288.0)))
+
+
+@jitable
+def near_flux(arc: Arc, middle: float, span: float, chord: float, about: About) -> float:
+    """n . integral of (w - r) x dw along an arc of a circle, r the direction that fluxes are taken about.
+
+    Around a closed region the integral of r x dw is 0: taken about a direction near a small lamp, arcs add up to what
+    is seen of it, not to differences of arcs a million times larger that end at each other but for roundings.
+    With e = b cos a - r, b the axis of the circle, it is span sin^2 a n.b + n.(e x the chord).
+    """
+    axis, n, r, s = vector(arc.axis), about.normal, about.near, about.beside
+    c, d = math.cos(middle), math.sin(middle)
+    f, g = vector(arc.first), vector(arc.second)
+    ahead = (c * g[0] - d * f[0], c * g[1] - d * f[1], c * g[2] - d * f[2])
+    long = arc.sine * chord
+    over = dot(axis, n)
+    if about.mode == _NEAR:
+        short = arc.sine * arc.sine / (1.0 + arc.cosine)
+        e = (
+            (axis[0] - r[0]) - short * axis[0], (axis[1] - r[1]) - short * axis[1], (axis[2] - r[2]) - short * axis[2],
+        )  # fmt: skip
+        return span * arc.sine * arc.sine * over + long * dot(n, cross(e, ahead))
+    onward, sideways = dot(ahead, r), dot(ahead, s)
+    if arc.cosine == 0.0:
+        # of a great circle n.b and the chord's part along s are nearly the same, of the horizon both are nearly 1
+        gap = over - sideways
+        if over > _STEEP and sideways > _STEEP:
+            gap = onward * onward / (1.0 + sideways) - (1.0 - over)
+        return over * beyond_chord(span) + gap * chord if chord > 0.0 else over * span - long * sideways
+    aside, along = dot(axis, s), dot(axis, r)
+    off = aside * aside + over * over
+    back = arc.cosine * along - 1.0
+    if along > _NARROW:
+        # 1 - cos a sqrt(1 - off), without the difference
+        square = arc.sine * arc.sine
+        back = -(square + off - square * off) / (1.0 + arc.cosine * math.sqrt(1.0 - off))
+    return span * arc.sine * arc.sine * over + long * (back * sideways - arc.cosine * aside * onward)
+
+
+@jitable
+def rim_chord(arc: Arc, begin: float, end: float) -> Vector:
+    """From where to where unit directions along the rim of a disk go."""
+    f, g, middle = vector(arc.first), vector(arc.second), vector(arc.middle)
+    p = leaves.disk_point(*middle, *f, *g, math.cos(begin), math.sin(begin))
+    q = leaves.disk_point(*middle, *f, *g, math.cos(end), math.sin(end))
+    u, v = math.sqrt(dot(p, p)), math.sqrt(dot(q, q))
+    return (q[0] / v - p[0] / u, q[1] / v - p[1] / u, q[2] / v - p[2] / u)
+
+
+@jitable
+def add_arc(arc: Arc, begin: float, end: float, rest: float, sign: float, flux: float, about: About) -> float:
     """``flux`` and that of a stretch of an arc, of the sign given; ``rest`` is what end - begin is rounded by.
 
     A whole circle has no chord: the sine of the double nearest to pi is not 0, and larger than a small cap allows.
     """
     span = (end - begin) + rest
-    chord = 0.0 if end - begin == TURN else 2.0 * math.sin(0.5 * span)
+    whole = end - begin == TURN
+    chord = 0.0 if whole else 2.0 * math.sin(0.5 * span)
+    if about.mode != _NOWHERE and arc.rim == 0.0:
+        return flux + sign * near_flux(arc, 0.5 * (begin + end), span, chord, about)
     if arc.rim != 0.0:
         x, y, z = leaves.rim_flux(
             *vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, 0.0 if end == TURN else end, span
@@ -217,7 +314,11 @@ def add_arc(arc: Arc, begin: float, end: float, rest: float, sign: float, flux: 
             span,
             chord,
         )
-    return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
+    if about.mode != _NOWHERE and not whole:
+        a, b, c = cross(about.near, rim_chord(arc, begin, end))
+        x, y, z = x - a, y - b, z - c
+    n = about.normal
+    return flux + sign * (n[0] * x + n[1] * y + n[2] * z)
 
 
 @jitable
@@ -233,7 +334,7 @@ def wrong_cones(room: Room, touched: int, own: int) -> int:
 
 
 @jitable
-def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> Vector:
+def add_bounding(room: Room, i: int, found: int, touched: int, flux: float, about: About) -> float:
     """``flux`` and that of what of arc i bounds the region, its crossings and cones being listed."""
     arc = room.arcs[i]
     own = int(arc.cone)
@@ -244,7 +345,7 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
         crossing = room.crossings[k]
         if wrong == 0:
             # a stretch without a length may grow
-            flux = add_arc(arc, begin, crossing.angle, crossing.rest - rest, sign, flux)
+            flux = add_arc(arc, begin, crossing.angle, crossing.rest - rest, sign, flux, about)
         begin, rest = crossing.angle, crossing.rest
         c = int(crossing.cone)
         before = room.within[c] == room.caps[c]
@@ -253,7 +354,7 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
         if before != after:
             wrong += 1 if after != (c == own or c == 0) else -1
     if wrong == 0 and arc.end > begin:
-        flux = add_arc(arc, begin, arc.end, (TURN_REST if arc.end == TURN else 0.0) - rest, sign, flux)
+        flux = add_arc(arc, begin, arc.end, (TURN_REST if arc.end == TURN else 0.0) - rest, sign, flux, about)
     return flux
 
 
@@ -262,12 +363,12 @@ def open_irradiance(world: World, room: Room, place: Vector, count: int, normal:
     """Irradiance by radiance 1 from cone 0 less all others, bounded by ``count`` arcs; 0 of a negative count."""
     if count < 0:
         return 0.0
-    flux = (0.0, 0.0, 0.0)
+    flux, about = 0.0, about_lamp(room, count, normal)
     for i in range(count):
         if room.arcs[i].inner == 0.0:
             found, touched = gather_crossings(world, room, place, i)
-            flux = add_bounding(room, i, found, touched, flux)
-    return max(0.0, 0.5 * dot(normal, flux))
+            flux = add_bounding(room, i, found, touched, flux, about)
+    return max(0.0, 0.5 * flux)
 
 
 @jitable
@@ -282,11 +383,11 @@ def few_irradiance(room: Room, count: int, cones: int, normal: Vector) -> float:
         if room.stop[c] == 0.0:
             room.begin[c] = 1.0 * i
         room.stop[c] = 1.0 * i + 1.0
-    flux = (0.0, 0.0, 0.0)
+    flux, about = 0.0, about_lamp(room, count, normal)
     for i in range(count):
         found = 0
         for c in range(cones):
             touch(room, c, c)
             found = cross_cone(room, i, c, found)
-        flux = add_bounding(room, i, found, cones, flux)
-    return max(0.0, 0.5 * dot(normal, flux))
+        flux = add_bounding(room, i, found, cones, flux, about)
+    return max(0.0, 0.5 * flux)
