@@ -30,6 +30,10 @@ OUTLIER: Final = 4.0
 """Residuals beyond this many robust standard deviations count less (Geman-McClure's weight)."""
 FELT: Final = 1e-6
 """Part of the largest derivative below which a pixel's residual says nothing about the parameters."""
+LEFT: Final = 0.05
+"""Least part of its noise that a fit is taken to leave of a residual."""
+LIKE: Final = 27
+"""Channels of pixels about as bright whose leftovers are compared, at least."""
 SINGULAR: Final = 1e-10
 """Singular value of the Jacobian, its columns scaled to length 1, that counts as zero even if no error is stated."""
 DAMPING: Final = 1e-7
@@ -261,7 +265,7 @@ def fit(
             (radiance - wanted).ravel(),
         )
         room = ((low - x) / scale - 1e-15, (high - x) / scale + 1e-15)
-        step, weight = _robust_step(linear, room)
+        step, weight = _robust_step(linear, radiance.ravel(), room)
         cost = _cost(linear.residual, weight)
         finer = max(tol, min(within, 0.03 * cost * float(np.abs(step).max())))
         for _ in range(8):
@@ -371,10 +375,13 @@ def _known(values: Mapping[str, float], linear: _Linear, weight: Array, scale: A
     """Covariance of the robust estimate where the parameters stand still.
 
     It is that of an M-estimate with psi(r) = w r (P. J. Huber, Robust Statistics, 1981, section 7.6), once with the
-    same noise in all pixels and once with each pixel's own residual (H. White, Econometrica 48, 1980,
-    doi:10.2307/1912934); the larger is taken. The RMS of all residuals instead would count outliers that the estimate
-    hardly feels.
+    same noise in all pixels and once with each pixel's own residual over what the fit leaves of it (J. G. MacKinnon and
+    H. White, Journal of Econometrics 29, 1985, doi:10.1016/0304-4076(85)90158-7); the larger is taken. Where few
+    residuals make up the latter, it is that of Student's t of so many degrees of freedom that holds 68.3 %. The RMS of
+    all residuals instead would count outliers that the estimate hardly feels.
     """
+    from scipy.stats import norm, t
+
     inverse, null = linear.directions(weight)
     felt = linear.felt()
     jacobian, w, r = linear.jacobian[felt], weight[felt], linear.residual[felt]
@@ -383,8 +390,12 @@ def _known(values: Mapping[str, float], linear: _Linear, weight: Array, scale: A
     spare = float(w.sum()) / max(1.0, float(w.sum()) - (len(values) - len(null)))
     alike = float((w * w * r * r).sum()) / max(float(w.sum()), 1e-300) * np.diag(inverse)
     moved = inverse @ (jacobian.T * (w * r))
-    own = (moved**2).sum(axis=1)
-    noise = spare * np.maximum(alike, own) / steepness**2
+    left = 1.0 - w * np.einsum("ij,jk,ik->i", jacobian, inverse, jacobian)
+    each = (moved / np.maximum(left, LEFT)) ** 2
+    own = each.sum(axis=1)
+    degrees = own**2 / np.maximum((each**2).sum(axis=1), 1e-300) - 1.0
+    own *= t.ppf(norm.cdf(1.0), np.maximum(degrees, 1.0)) ** 2
+    noise = np.maximum(spare * alike, own) / steepness**2
     spread = np.sqrt(np.maximum(np.diag(inverse), 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = inverse / np.outer(spread, spread)
@@ -445,7 +456,24 @@ def _cost(residual: Array, weight: Array) -> float:
     return float(np.sqrt((weight * residual**2).sum() / max(float(weight.sum()), 1e-300)))
 
 
-def _robust_step(linear: _Linear, room: tuple[Array, Array]) -> tuple[Array, Array]:
+def _spreads(left: Array, light: Array) -> Array:
+    """(M,) robust standard deviations of noise of pixels with so much ``light``, from what is ``left`` of residuals.
+
+    It is the scaled median of all leftovers, and more where those of pixels about as bright are larger, but no more
+    than in proportion to the light: noise of renderers grows with it, and jumps are no noise.
+    """
+    from scipy.ndimage import median_filter
+
+    size = np.abs(left)
+    order = np.argsort(light, kind="stable")
+    near = np.empty_like(size)
+    near[order] = median_filter(size[order], max(LIKE, len(size) // 4), mode="nearest")
+    spread, usual = float(np.median(size)), float(np.median(np.abs(light)))
+    most = spread * np.maximum(1.0, np.abs(light) / max(usual, 1e-300))
+    return np.asarray(1.4826 * np.clip(near, spread, most))
+
+
+def _robust_step(linear: _Linear, light: Array, room: tuple[Array, Array]) -> tuple[Array, Array]:
     """Step of least |J step + residual| within ``room``, and the weights of the residuals it was found with.
 
     What the linear model leaves of a residual says whether that pixel changed its shape, shadow or field: weights are
@@ -471,7 +499,8 @@ def _robust_step(linear: _Linear, room: tuple[Array, Array]) -> tuple[Array, Arr
             # what a parameter beyond its range would explain is no jump
             inside = jacobian @ step + residual
             left = np.where(np.abs(left) < np.abs(inside), left, inside)
-        spread = 1.4826 * float(np.median(np.abs(left[felt]))) if felt.any() else 0.0
-        usual = np.maximum(OUTLIER * spread, np.abs(changed))
-        weight = (1.0 + (left / np.maximum(usual, 1e-300)) ** 2) ** -2
+        usual = np.abs(changed)
+        if felt.any():
+            usual[felt] = np.maximum(usual[felt], OUTLIER * _spreads(left[felt], light[felt]))
+        weight = (1.0 + np.minimum(np.abs(left) / np.maximum(usual, 1e-300), 1e100) ** 2) ** -2
     return step, weight
