@@ -7,6 +7,7 @@ contribute what they sweep, to the rule's own order, without sampling edges and 
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
@@ -25,7 +26,7 @@ from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, split_settings
+from symrender.settings import Antialias, Filter, Method, Settings, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""
@@ -49,6 +50,7 @@ def gradient(
     budget: int = 1_000_000,
     filter: Filter = "centre",
     filter_radius: float = 0.0,
+    method: Method = "auto",
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -77,6 +79,9 @@ def gradient(
         What a pixel is: the ray through its centre, or the weighted mean over a square about it.
     filter_radius : float
         Half the width of the filter in pixels, 0.5 to 2; 0 takes the filter's own.
+    method : {"auto", "quadrature", "sampled"}
+        Who differentiates by what lights send: quadrature where it covers the scene and paths elsewhere, or one of both
+        alone. Paths state a confidence interval, as of ``truth``; other parameters are differentiated by quadrature.
     threads : int
         Worker threads; 0 takes the processors of this process. The result does not depend on it.
     tile : int
@@ -126,7 +131,10 @@ def gradient(
     True
     """
     loaded = load_any(scene)
-    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, filter=filter)
+    settings = split_settings(
+        size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, filter=filter,
+        filter_radius=float(filter_radius), method=method,
+    )  # fmt: skip
     job = gradient_job(loaded, wrt, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return gradient_images(crew, job, loaded)
@@ -152,14 +160,12 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
-        from symrender.runtimes.exposed import check_means
-        from symrender.runtimes.radiometric_gradient import check_gradient
+        from symrender.radiance.linear import shares_of
         from symrender.scene.radiometric.moves import radiometric_moves
 
-        arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
-        check_gradient(arrays, moved, settings.filter)
-        check_means(arrays, settings)
-        return Job.of("radiometric_gradient", scene, settings, moved)
+        moved = radiometric_moves(scene, wrt)
+        linear = shares_of(radiometric_arrays(scene), settings, moved).linear
+        return Job.of("linear_gradient" if linear else "radiometric_gradient", scene, settings, moved)
     check_decided(scene)
     if settings.filter != "centre":
         from symrender.runtimes.series_refusals import check_series_pixels
@@ -173,6 +179,11 @@ def gradient_images(crew: Crew, job: Job, scene: AnyScene) -> Gradients:
     """Carry out ``job``, of ``scene``, with an open ``crew``."""
     layers, timing = crew.fill(job)
     images = Gradients()
+    shares = None
+    if job.kind == "linear_gradient" and isinstance(scene, RadiometricScene):
+        from symrender.radiance.linear import shares_of
+
+        shares = shares_of(radiometric_arrays(scene), job.settings, job.wrt)
     radiance = "radiance, W/(m2 sr)," if isinstance(scene, RadiometricScene) else "scene radiance"
     for name, _ in job.wrt:
         # closed forms are split at no walls
@@ -182,5 +193,7 @@ def gradient_images(crew: Crew, job: Job, scene: AnyScene) -> Gradients:
         parts = {layer: layers[f"{layer}:{name}"] for layer, _ in KINDS[job.kind].each}
         parts["hit_class"] = layers["hit_class"]
         meta = provenance(job, scene, "gradient", estimator)
+        if shares is not None:
+            meta |= {"providers": json.dumps(shares.providers(name))}
         images[name] = Image(parts, meta | {"parameter": name, "units": f"{radiance} over the parameter's unit"})
     return images

@@ -117,3 +117,13 @@ def test_a_point_touched_by_a_sphere_is_told_which(capsys: pytest.CaptureFixture
     assert main(["probe", "gloss", "-p", "-0.72,0.15", "--tol", "0.1"]) == 4
     told = capsys.readouterr().out
     assert "no value: (-0.72, 0.15, 0) touches spheres.A: no rule covers a point in which two shapes meet" in told
+
+
+def test_info_of_a_scene_names_who_computes_its_light(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", "interreflection", "--json", "-D", "bounces=3"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["shapes"] == {"plane": 1, "sphere": 2} and told["units"] == "radiometric" and told["bounces"] == 3
+    assert told["providers"]["direct"] == "quadrature"
+    assert told["providers"]["indirect"].startswith("sampled: bounces: 3 is not integrated by quadrature")
+    assert main(["info", "gloss"]) == 0
+    assert "quadrature" in capsys.readouterr().out

@@ -13,7 +13,7 @@ import typer
 
 from symrender.cli._signals import heard
 from symrender.errors import OptionError
-from symrender.settings import Filter
+from symrender.settings import Filter, Method
 
 if TYPE_CHECKING:
     from symrender.execution.fill import Means
@@ -60,6 +60,15 @@ FilterOption = Annotated[
 FilterRadius = Annotated[
     float,
     typer.Option("--filter-radius", metavar="R", help="Half the filter's width in pixels, .5 to 2; 0: its own."),
+]
+
+MethodOption = Annotated[
+    Method,
+    typer.Option(
+        "--method",
+        help="quadrature: refuse what it does not cover. sampled: paths with a confidence interval. auto: quadrature "
+        "for each component that it covers, paths for the rest.",
+    ),
 ]
 
 

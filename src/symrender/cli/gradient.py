@@ -13,6 +13,7 @@ from symrender.cli._means import (
     FilterOption,
     FilterRadius,
     InsecureCluster,
+    MethodOption,
     Restart,
     Resume,
     Threads,
@@ -45,6 +46,7 @@ def gradient(
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     filter: FilterOption = "centre",
     filter_radius: FilterRadius = 0.0,
+    method: MethodOption = "auto",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -87,6 +89,7 @@ def gradient(
         tile=tile,
         filter=filter,
         filter_radius=filter_radius,
+        method=method,
         max_pixels=max_pixels,
     )
     chosen = any_scene_with(scene, define)

@@ -1,25 +1,78 @@
-"""``symrender info``: what an image file holds and how it was made."""
+"""``symrender info``: what an image or a scene holds, and who computes what of it."""
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from symrender.cli._console import native_output_hidden, show_json, show_table
-from symrender.cli._options import Json
+from symrender.cli._means import FilterOption
+from symrender.cli._options import IMAGES, Define, Json, any_scene_with
 
 
 def info(
-    file: Annotated[Path, typer.Argument(help="An .exr, .npz or .png, ours or another program's.")],
-    scene: Annotated[bool, typer.Option("--scene", help="Print the scene it was made of, as YAML.")] = False,
+    file: Annotated[str, typer.Argument(help="An .exr, .npz or .png, or a scene: a gallery name or a file.")],
+    scene: Annotated[bool, typer.Option("--scene", help="Print the scene an image was made of, as YAML.")] = False,
+    filter: FilterOption = "centre",
+    define: Define = None,
     json: Json = False,
 ) -> None:
-    """Print the layers of an image, the range of each, and what made it.
+    """Print the layers of an image and what made it; of a scene what it holds and what computes its light.
+
+    Light is computed by quadrature where that covers the scene, else by sampled paths; the reason is printed.
 
     Example: symrender info out/truth.exr
+
+    Example: symrender info metal --filter box
     """
+    if Path(file).suffix.lower() in IMAGES and not define:
+        _image(Path(file), scene, json)
+        return
+    facts = _scene(file, define, filter)
+    if json:
+        show_json(facts)
+        return
+    for name, value in facts.items():
+        if isinstance(value, dict):
+            show_table(name, [(name, ""), *((key, str(each)) for key, each in value.items())])
+        else:
+            typer.echo(f"{name}: {value}")
+
+
+def _scene(source: str, define: Define, filter: FilterOption) -> dict[str, Any]:
+    """Facts of a scene, and the provider of each layer of its reference image."""
+    from symrender.scene.radiometric.scene import RadiometricScene
+
+    found = any_scene_with(source, define)
+    facts: dict[str, Any] = {"name": found.name, "hash": found.hash}
+    if not isinstance(found, RadiometricScene):
+        return facts | {
+            "units": "series",
+            "spheres": len(found.spheres),
+            "planes": len(found.planes),
+            "lights": len(found.lights),
+            "providers": {"direct": "quadrature", "gloss": "quadrature"},
+        }
+    from symrender.radiance.choice import plan_of
+    from symrender.scene.radiometric.arrays import radiometric_arrays
+    from symrender.settings import Settings
+
+    settings = Settings(filter=filter, method="auto")
+    return facts | {
+        "units": "radiometric",
+        "bounces": found.model_dump()["bounces"],
+        "shapes": dict(Counter(each.type for each in found.shapes)),
+        "materials": dict(Counter(each.type for each in found.materials.values())),
+        "lights": dict(Counter(each.type for each in found.lights)),
+        "providers": plan_of(radiometric_arrays(found), settings).providers(),
+    }
+
+
+def _image(file: Path, scene: bool, json: bool) -> None:
+    """Print what an image file holds, or its scene."""
     import numpy as np
 
     from symrender.images.image import read_image

@@ -14,6 +14,7 @@ from symrender.cli._means import (
     FilterOption,
     FilterRadius,
     InsecureCluster,
+    MethodOption,
     PreviewOption,
     Restart,
     Resume,
@@ -40,7 +41,7 @@ from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
 from symrender.scene.nearest import did_you_mean
-from symrender.settings import Antialias, Method, check_share, split_settings
+from symrender.settings import Antialias, check_share, split_settings
 
 if TYPE_CHECKING:
     from symrender.scene.load import AnyScene
@@ -70,13 +71,7 @@ def truth(
     silhouettes: SilhouettesOption = 1,
     filter: FilterOption = "centre",
     filter_radius: FilterRadius = 0.0,
-    method: Annotated[
-        Method,
-        typer.Option(
-            help="quadrature: refuse what it does not cover. sampled: paths with a confidence interval. auto: "
-            "quadrature for each component that it covers, paths for the rest."
-        ),
-    ] = "auto",
+    method: MethodOption = "auto",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",

@@ -83,6 +83,12 @@ KINDS: Final[Mapping[str, Kind]] = {
         radiometric=True,
         tabled=True,
     ),
+    "linear_gradient": Kind(
+        "symrender.radiance.linear",
+        (("hit_class", 1),),
+        each=(*_RADIOMETRIC[:4], ("error", 1), ("status", 1), ("kind", 1)),
+        radiometric=True,
+    ),
     "mean_gradient": Kind(
         "symrender.runtimes.series_slopes",
         (("hit_class", 1),),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
@@ -25,7 +24,7 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.budgets import AGAIN, HOPELESS, beside
+from symrender.runtimes.budgets import AGAIN, HOPELESS, beside, by_share
 from symrender.scene.arrays import FIRST_SPHERE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
@@ -276,20 +275,6 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
-
-
-def by_share(ask: Callable[[Ints, int], Bounced], rays: Ints, shares: Ints) -> Bounced:
-    """``ask(some, share)`` of all ``rays``, those of one share (N,) together."""
-    count = len(rays)
-    found = Bounced(
-        np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64)
-    )
-    for share in np.unique(shares[rays]):
-        rows = np.flatnonzero(shares[rays] == share)
-        part = ask(rays[rows], int(share))
-        for name in ("indirect", "incoming", "error", "status", "evaluations"):
-            getattr(found, name)[rows] = getattr(part, name)
-    return found
 
 
 def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced) -> Array:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Answer = TypeVar("Answer", bound="DataclassInstance")
 
 AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
 """Parts of a budget, beyond it, each for a tolerance so many times looser."""
@@ -45,3 +50,17 @@ def _rung(budget: int, wanted: Array) -> Ints:
     steps = np.floor(4.0 * np.log2(wanted / budget) + ROUNDED)
     rungs: Ints = np.maximum(1.0, budget * 2.0 ** (steps / 4.0)).astype(np.int64)
     return rungs
+
+
+def by_share(ask: Callable[[Ints, int], Answer], rays: Ints, shares: Ints) -> Answer:
+    """``ask(some, share)`` of ``rays``, those of one share of ``shares`` (N,) together, in their order."""
+    each = shares[rays]
+    rows = [np.flatnonzero(each == share) for share in np.unique(each)]
+    if len(rows) < 2:
+        return ask(rays, int(each.max(initial=1)))
+    parts = [ask(rays[some], int(each[some[0]])) for some in rows]
+    order = np.argsort(np.concatenate(rows))
+    merged = {
+        name.name: np.concatenate([getattr(part, name.name) for part in parts])[order] for name in fields(parts[0])
+    }
+    return replace(parts[0], **merged)

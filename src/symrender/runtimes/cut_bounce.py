@@ -21,8 +21,8 @@ from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, by_share, doubted, sharpness
-from symrender.runtimes.budgets import beside
+from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, doubted, sharpness
+from symrender.runtimes.budgets import beside, by_share
 from symrender.runtimes.pixels import MOST_WALLS, mean_world
 from symrender.scene.arrays import SOLID
 from symrender.scene.radiometric.arrays import DIFFUSE, DISK, SPHERE, RadiometricArrays

@@ -23,9 +23,9 @@ from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
 from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
-from symrender.runtimes.bounce import Bounced, Bouncer, by_share
+from symrender.runtimes.bounce import Bounced, Bouncer
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
-from symrender.runtimes.budgets import after
+from symrender.runtimes.budgets import after, by_share
 from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel

@@ -18,8 +18,8 @@ from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
 from symrender.radiosity.table import brightest
-from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, by_share, sharpness
-from symrender.runtimes.budgets import AGAIN, LATE, beside
+from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
+from symrender.runtimes.budgets import AGAIN, LATE, beside, by_share
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
 
