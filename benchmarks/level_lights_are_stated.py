@@ -226,7 +226,7 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     beyond = agree & (off > FACTOR * said.error + both + moved)
     return made | {
         "tol": tol, "origins": origins, "directions": directions, "said": said, "judges": judges, "agree": agree,
-        "same": same, "off": off, "beyond": beyond, "lit": agree & (bright > 10 * tol), "held": len(holding),
+        "comparable": same, "off": off, "beyond": beyond, "lit": agree & (bright > 10 * tol), "held": len(holding),
         "told": agree & (bright > 3 * (both + moved)),
         "ratio": np.where(agree, np.nan_to_num(off - both - moved, nan=0.0) / np.maximum(said.error, 1e-300), 0.0),
         "seconds": time.process_time() - begun,
@@ -258,8 +258,8 @@ def main() -> None:
         for name in ("lit", "told", "beyond"):
             sums[name] += int(row[name].sum())
         sums["judged"] += int(row["agree"].sum())
-        sums["others"] += int((~row["same"]).sum())
-        sums["differ"] += int((row["same"] & ~row["agree"]).sum())
+        sums["others"] += int((~row["comparable"]).sum())
+        sums["differ"] += int((row["comparable"] & ~row["agree"]).sum())
         sums["bounced"] += int(row["agree"].sum()) * row["bounces"]
         sums["met"] += int((row["agree"] & (row["said"].status == 0)).sum())
         worst = max(worst, float(row["ratio"].max()))
@@ -284,7 +284,8 @@ def main() -> None:
         report.say(f"refused {count} times: {text}")
     report.say(
         f"{sums['judged']} values, seeds {options.seed} to {seed - 1}, {sums['bounced']} with a bounce, "
-        f"{sums['others']} left out, whose lifted light is another one, {sums['differ']} whose judges differ, {sum(refused.values())} scenes refused; {sums['met']} met; "
+        f"{sums['others']} left out, whose lifted light is another one, {sums['differ']} whose judges differ, "
+        f"{sum(refused.values())} scenes refused; {sums['met']} met; "
         f"{sums['lit']} lit, {sums['told']} told by lights that are lifted; worst ratio {worst:.3g}; "
         f"{1e3 * seconds / max(1, sums['judged']):.3g} ms each, three probes"
     )
