@@ -215,7 +215,7 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
     moved = 1e-6 * (1.0 + np.abs(one.radiance).max(axis=1))
     both = one.error + two.error
     # a point lifted off a plane lights a spot of it, however low, with half of all its power, and that bounces
-    same = made["bounces"] == 0 or light["type"] == "directional"
+    same = np.full(len(origins), made["bounces"] == 0 or light["type"] == "directional")
     # and a light is lifted to the side of the first ray's eye
     for shape in holding:
         heights = (origins - shape["point"]) @ np.array(shape["normal"], float)
