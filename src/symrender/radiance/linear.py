@@ -47,22 +47,19 @@ def shares_of(arrays: RadiometricArrays, settings: Settings, wrt: Sequence[Move]
     Raises
     ------
     Unsupported
-        For a parameter that quadrature does not cover, if it is not part of what a light sends, or with
-        ``method: quadrature``.
+        For a parameter that quadrature does not cover, if it is not part of what a light sends; with
+        ``method: quadrature`` also for what a light sends, if quadrature does not cover the image of that light.
     """
     covered, linear = [], []
     for move in wrt:
-        reason = _reason(arrays, settings, move)
-        if reason is None and settings.method != "sampled":
+        reason, other = _reason(arrays, settings, move), _other_than_light(arrays, move)
+        if other is None and (reason is not None or settings.filter != "centre" or settings.method == "sampled"):
+            # over a pixel that is one image, and no wall of it moves
+            linear.append((move, plan_of(lit_by(arrays, move), settings)))
+        elif reason is not None or settings.method == "sampled":
+            raise reason or other or Unsupported(move[0])
+        else:
             covered.append(move)
-            continue
-        try:
-            check_emission(arrays, (move,))
-        except Unsupported as error:
-            raise reason or error from None
-        if reason is not None and settings.method == "quadrature":
-            raise reason
-        linear.append((move, plan_of(lit_by(arrays, move), settings)))
     return Shares(tuple(covered), tuple(linear))
 
 
@@ -71,6 +68,15 @@ def _reason(arrays: RadiometricArrays, settings: Settings, move: Move) -> Unsupp
     try:
         radiometric_gradient.check_gradient(arrays, (move,), settings.filter)
         check_means(arrays, settings)
+    except Unsupported as error:
+        return error
+    return None
+
+
+def _other_than_light(arrays: RadiometricArrays, move: Move) -> Unsupported | None:
+    """What a parameter moves beside what a light sends, None if that is all."""
+    try:
+        check_emission(arrays, (move,))
     except Unsupported as error:
         return error
     return None
