@@ -162,6 +162,16 @@ def imaged(scene: Scene, **changes: Any) -> str:
     return refused
 
 
+def by_light(scene: Scene) -> str:
+    """The answer for a derivative by what a light sends, of an image with all bounces through a lens and a shutter."""
+    camera = scene["camera"] | {"aperture": 0.05, "focus": 6}
+    changes = {"camera": camera, "shutter": [0, 0.1], "filter": "box", "bounces": "all", "wrt": light_of(scene)}
+    refused = asked(scene, sr.gradient, method="quadrature", **changes)
+    if refused and not asked(scene, sr.gradient, method="auto", budget=2_000, **changes):
+        return PATHS + refused
+    return refused
+
+
 def exposed(scene: Scene) -> str:
     """The answer for an image through a lens and a shutter."""
     camera = scene["camera"] | {"aperture": 0.05, "focus": 6}
@@ -192,6 +202,7 @@ PHYSICAL_VERBS: Mapping[str, Question] = {
     "gradient": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene)),
     "gradient, one bounce": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene), bounces=1),
     "gradient, box filter": lambda scene: asked(scene, sr.gradient, wrt=place_of(scene), filter="box"),
+    "gradient by lights, all of these": by_light,
 }
 
 
