@@ -9,12 +9,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from symrender.audit.judge import evidence, judged, pixel_test, region_tests, scale_test
+from symrender.audit.evidence import evidence
+from symrender.audit.judge import judged, pixel_test, region_tests, scale_test
 from symrender.audit.junit import junit
 from symrender.audit.measured import Measured
 from symrender.audit.page import page
 from symrender.audit.regions import Region
-from symrender.audit.verdict import Explanation, Verdict
+from symrender.audit.verdict import Decision, Explanation, Verdict
 
 SHAPE = (12, 16, 3)
 
@@ -28,9 +29,10 @@ def verdict(factor: float, scene: str = "a scene") -> Verdict:
     tests = judged([scale_test(seen), *region_tests(seen, [Region("all", np.ones(SHAPE[:2], bool), "")])], 0.005)
     pixels, maps = pixel_test(seen, 0.005)
     passed = all(t.outcome != "failed" for t in tests) and pixels.outcome != "failed"
+    word: Decision = "passed" if passed else "failed"
     why = () if passed else (Explanation("alpha", 0.99, True, 0.1, 0.101, 4e-4, "by its exact derivative"),)
     return Verdict(
-        passed, 0.01, scene, "0" * 64, "moments", 256, (16, 12), tuple(tests[:1]), tuple(tests[1:]), pixels, why,
+        word, 0.01, scene, "0" * 64, "moments", 256, (16, 12), tuple(tests[:1]), tuple(tests[1:]), pixels, why,
         ("a note",), 1, maps,
     )  # fmt: skip
 
@@ -60,7 +62,7 @@ def test_the_page_is_offline_and_runs_nothing() -> None:
     assert "<script" not in html and "&lt;script&gt;" in html
     assert "default-src &#x27;none&#x27;" in html
     assert not re.search(r"(?:src|href)=\"(?!data:)", html) and "url(" not in html
-    assert html.count("data:image/png;base64,") == 3 and "<svg" in html
+    assert html.count("data:image/png;base64,") == 4 and "<svg" in html
 
 
 def test_a_scene_name_is_printable_in_xml() -> None:

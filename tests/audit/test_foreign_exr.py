@@ -51,7 +51,8 @@ def written(path: Path, rgb: Any, kind: Any = np.float32, **header: Any) -> Path
 def test_a_right_render_passes(name: str, judged: int, known: tuple[AnyScene, Image]) -> None:
     scene, true = known
     verdict = audit(CASES / f"{name}.exr", scene, truth=true, noise_free=True)
-    assert verdict.passed and verdict.pixels.judged == judged
+    # beside the terminator of the ball roundings of 32 bits are felt
+    assert verdict.passed and verdict.pixels.judged + verdict.pixels.aside == judged and verdict.pixels.aside < 20
     assert all("\0" not in text for text in read_image(CASES / f"{name}.exr").meta.values())
 
 
@@ -68,7 +69,7 @@ def test_windows_are_placed(known: tuple[AnyScene, Image], tmp_path: Path) -> No
     assert np.array_equal(np.isfinite(image.radiance).all(axis=-1), held)
     assert np.array_equal(image.radiance[held], true.radiance[held].astype(np.float32))
     verdict = audit(path, scene, truth=true, noise_free=True)
-    assert verdict.passed and verdict.pixels.judged == held.sum()
+    assert verdict.passed and verdict.pixels.judged + verdict.pixels.aside == held.sum() > 24 * verdict.pixels.aside
     wide[20, 10] *= 1.01
     written(path, wide[8:, :25], dataWindow=((-4, 8), (20, 35)), displayWindow=shown)
     assert not audit(path, scene, truth=true, noise_free=True, explain=False).passed

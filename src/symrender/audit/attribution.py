@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.audit.distributions import critical
-from symrender.audit.judge import Evidence
+from symrender.audit.evidence import Evidence
 from symrender.audit.regions import Region
 from symrender.audit.verdict import Explanation
 from symrender.errors import SymrenderError, Unsupported

@@ -11,73 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.audit.distributions import critical, detectable, two_sided
-from symrender.audit.measured import SINGLE, Measured
+from symrender.audit.evidence import Evidence
+from symrender.audit.reach import SubPixel
 from symrender.audit.regions import Region
 from symrender.audit.verdict import Finding, Outcome, PixelTest
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-ARITHMETIC: Final = 1e-5
-"""Relative error allowed to a renderer without noise that computes in 32 bits, _DOUBLE to one in 64."""
-_DOUBLE: Final = 1e-9
 _DOMINANT: Final = 0.1
 """Share of a region's variance in one pixel beyond which its sum is not taken for normal."""
 _TAIL: Final = 1.0
 """Relative change of a tail by skewness beyond which it is not taken for normal."""
 _NOISY: Final = 0.2
 """Standard error of a pixel over its truth beyond which it is not judged alone: its tail is that of few samples."""
-_GROUPS: Final = 10
 _PROBABLE: Final = 1e-300
-
-
-@dataclass(frozen=True, eq=False)
-class Evidence:
-    """What the tests look at: measured mean less truth, the variance of a pixel's mean, and what is allowed for.
-
-    ``truth``, ``difference``, ``variance``, ``pooled`` and ``allowance`` are (h, w, c), ``usable`` (h, w). ``pooled``
-    is the mean variance of pixels of one shape and like light, which does not follow a pixel's own luck, and
-    ``usual`` that of the whole shape.
-    """
-
-    measured: Measured
-    truth: Array
-    difference: Array
-    variance: Array
-    pooled: Array
-    usual: Array
-    allowance: Array
-    usable: Mask
-    spread: float
-
-    @property
-    def channels(self) -> tuple[int, ...]:
-        """Indices of the channels, one where all are equal."""
-        grey = all(np.array_equal(a[..., 0], a[..., c]) for a in (self.truth, self.measured.mean) for c in (1, 2))
-        return (0,) if grey else (0, 1, 2)
-
-    def channel(self, index: int) -> str:
-        """Its name."""
-        return "grey" if len(self.channels) == 1 else self.measured.channels[index]
-
-
-def evidence(measured: Measured, radiance: Array, error: Array, classes: Array | None) -> Evidence:
-    """What was measured beside the truth ``radiance`` (h, w, 3) of stated ``error`` (h, w), infinite if unknown."""
-    usable = np.isfinite(error) & measured.origin.held(*error.shape)
-    truth = measured.of(np.where(usable[..., None], radiance, 0.0))
-    bound = np.where(usable, error, 0.0)[..., None] * np.abs(measured.basis).sum(axis=1)
-    if measured.source == "none":
-        # there is nothing but arithmetic then, and it is that of a whole renderer
-        size = ARITHMETIC if measured.single else _DOUBLE
-        rounding = size * (np.abs(truth) + 1e-2 * np.abs(truth).mean())
-    else:
-        rounding = (SINGLE if measured.single else 1e-14) * np.abs(truth)
-    allowance = bound + rounding + measured.origin.rounding(measured.mean)
-    pooled = _pooled(measured.variance, truth, classes, usable, _GROUPS)
-    usual = _pooled(measured.variance, truth, classes, usable, 1)
-    difference = np.where(usable[..., None], measured.mean - truth, 0.0)
-    spread = 1.0 if measured.seeds is not None else _correlation(difference, pooled, usable)
-    return Evidence(measured, truth, difference, measured.variance, pooled, usual, allowance, usable, spread)
 
 
 def region_tests(seen: Evidence, regions: Sequence[Region]) -> list[Finding]:
@@ -101,16 +49,17 @@ class Plane:
     difference: Array
     variance: Array
     allowance: Array
+    margin: Array
     seeds: Array | None
     powers: Array | None
 
     @classmethod
     def of(cls, seen: Evidence, c: int) -> Plane:
         """Channel ``c``."""
-        parts = (seen.truth, seen.difference, seen.variance, seen.allowance)
-        truth, difference, variance, allowance = (np.ascontiguousarray(part[..., c]).ravel() for part in parts)
+        parts = (seen.truth, seen.difference, seen.variance, seen.allowance, seen.margin)
+        truth, difference, variance, allowance, margin = (np.ascontiguousarray(part[..., c]).ravel() for part in parts)
         if seen.measured.seeds is None:
-            return cls(seen.channel(c), truth, difference, variance, allowance, None, None)
+            return cls(seen.channel(c), truth, difference, variance, allowance, margin, None, None)
         images = np.ascontiguousarray(seen.measured.seeds[..., c]).reshape(len(seen.measured.seeds), -1)
         mean = images.mean(axis=0)
         powers = np.zeros((3, images.shape[1]))
@@ -120,22 +69,22 @@ class Plane:
             powers[0] += square
             powers[1] += square * residual
             powers[2] += square * square * square
-        return cls(seen.channel(c), truth, difference, variance, allowance, images, powers)
+        return cls(seen.channel(c), truth, difference, variance, allowance, margin, images, powers)
 
 
 def scale_test(seen: Evidence) -> Finding:
     """Whether the render is the truth times 1 + b, by least squares with weights that the noise of no pixel moves."""
     chosen = list(seen.channels)
     mask = seen.usable
-    parts = (seen.truth, seen.difference, seen.pooled, seen.variance, seen.allowance)
-    mu, d, pooled, v, a = (part[mask][:, chosen] for part in parts)
+    parts = (seen.truth, seen.difference, seen.pooled, seen.variance, seen.allowance, seen.margin)
+    mu, d, pooled, v, a, m = (part[mask][:, chosen] for part in parts)
     # never far above the weight of the mean variance: where light is rare, quiet pixels have only not met it yet
     weights = 1.0 / (pooled + pooled.mean(axis=0) + a * a + _PROBABLE)
     whole = float((weights * mu * mu).sum())
     if whole <= 0.0:
-        return _test("scale", "all", "all", mask, 0.0, 0.0, 0.0, 0.0, math.inf, "the truth is black")
+        return _test("scale", "all", "all", mask, 0.0, 0.0, 0.0, 0.0, 0.0, math.inf, "the truth is black")
     bias = float((weights * mu * d).sum()) / whole
-    allowance = float((weights * np.abs(mu) * a).sum()) / whole
+    allowance, margin = (float((weights * np.abs(mu) * part).sum()) / whole for part in (a, m))
     if seen.measured.seeds is not None:
         weighted = weights * mu
         each = np.array([float((weighted * (s[mask][:, chosen] - mu)).sum()) / whole for s in seen.measured.seeds])
@@ -144,13 +93,13 @@ def scale_test(seen: Evidence) -> Finding:
         # channels of a pixel share their samples: their standard errors add
         together = ((weights * mu * np.sqrt(v)).sum(axis=1) ** 2).sum()
         error, freedom = math.sqrt(seen.spread * float(together)) / whole, math.inf
-    return _test("scale", "all", "all", mask, 1.0, bias, error, allowance, freedom, "")
+    return _test("scale", "all", "all", mask, 1.0, bias, error, allowance, margin, freedom, "")
 
 
 def _region(seen: Evidence, region: Region, mask: Mask, places: npt.NDArray[np.intp], plane: Plane) -> Finding:
     count, why = len(places), ""
     d, v = plane.difference[places], plane.variance[places]
-    bias, allowance = float(d.mean()), float(plane.allowance[places].mean())
+    bias, allowance, margin = (float(part.mean()) for part in (d, plane.allowance[places], plane.margin[places]))
     total = float(v.sum())
     if plane.seeds is not None and plane.powers is not None:
         each = np.array([float(image[places].mean()) for image in plane.seeds])
@@ -166,7 +115,7 @@ def _region(seen: Evidence, region: Region, mask: Mask, places: npt.NDArray[np.i
     if total > 0.0:
         why = _unsafe(float(v.max()) / total, skew, min(freedom, 1e4))
     mean = float(plane.truth[places].mean())
-    return _test("mean", region.name, plane.name, mask, mean, bias, error, allowance, freedom, why)
+    return _test("mean", region.name, plane.name, mask, mean, bias, error, allowance, margin, freedom, why)
 
 
 def _unsafe(dominant: float, skew: float, freedom: float) -> str:
@@ -190,7 +139,7 @@ def _skewness(second: float, third: float, sixth: float) -> float:
 
 def _test(
     name: str, region: str, channel: str, mask: Mask, truth: float, bias: float, error: float, allowance: float,
-    freedom: float, why: str,
+    margin: float, freedom: float, why: str,
 ) -> Finding:  # fmt: skip
     beyond = math.copysign(max(abs(bias) - allowance, 0.0), bias)
     if error > 0.0:
@@ -201,7 +150,7 @@ def _test(
         p = 0.0 if beyond else 1.0
     return Finding(
         name, region, channel, int(mask.sum()), truth, bias, error, allowance, freedom, z, p, p, 0.0,
-        "not judged" if why else "passed", why,
+        "not judged" if why else "passed", why, margin,
     )  # fmt: skip
 
 
@@ -253,13 +202,10 @@ def pixel_test(seen: Evidence, level: float) -> tuple[PixelTest, dict[str, Array
     able = seen.usable & ~noisy
     count = int(able.sum())
     freedom = math.inf if seen.measured.source == "none" else float(seen.measured.freedom)
-    finite = np.where(np.isfinite(z), z, 1e9)[able]
-    p = np.ones(count)
-    # what is likelier than the level decides nothing: most pixels need no tail
-    rare = finite > critical(min(1.0, level / len(chosen)), freedom)
-    p[rare] = np.minimum(1.0, len(chosen) * two_sided(finite[rare], freedom))
+    p = _tails(z[able], len(chosen), freedom, level)
     rejected, discovered = holm(p, level), benjamini_hochberg(p, level)
     maps = {"difference": seen.difference, "z": signed, "error": np.sqrt(seen.variance)}
+    maps["aside"] = seen.aside.astype(np.float64)
     for name, chosen_ones in (("rejected", rejected), ("discovered", discovered)):
         mask = np.zeros(able.shape)
         mask[able] = chosen_ones
@@ -273,11 +219,41 @@ def pixel_test(seen: Evidence, level: float) -> tuple[PixelTest, dict[str, Array
     if count == 0:
         why = f"every pixel's noise exceeds {100 * _NOISY:.0f} % of its light"
     outcome: Outcome = "failed" if number else "passed" if count else "not judged"
-    total = able.size - count
+    aside = int(seen.aside.sum())
+    total = able.size - count - aside
     worst = (int(column), int(row))
     return PixelTest(
-        count, total, number, int(discovered.sum()), worst, float(shown.max()), kurtosis, outcome, why
+        count, total, number, int(discovered.sum()), worst, float(shown.max()), kurtosis, outcome, why, aside
     ), maps
+
+
+def _tails(z: Array, channels: int, freedom: float, level: float) -> Array:
+    """Probabilities of pixels' largest ``z`` over ``channels``, 1 where they decide nothing at ``level``."""
+    finite = np.where(np.isfinite(z), z, 1e9)
+    p = np.ones(len(finite))
+    # what is likelier than the level decides nothing: most pixels need no tail
+    rare = finite > critical(min(1.0, level / channels), freedom)
+    p[rare] = np.minimum(1.0, channels * two_sided(finite[rare], freedom))
+    return p
+
+
+def outside(seen: Evidence, level: float, found: Sequence[SubPixel]) -> list[SubPixel]:
+    """Pixels set aside whose light lies outside their sub-pixel truth, by Holm at ``level``."""
+    if not found:
+        return []
+    rows, columns = [b.row for b in found], [b.column for b in found]
+    # a value between two is no further off than the nearer of both
+    to = seen.measured.basis
+    low, high = (np.array([getattr(b, name) for b in found]) for name in ("low", "high"))
+    middle, half = 0.5 * (high + low) @ to.T, 0.5 * (high - low) @ np.abs(to).T
+    away = np.abs(seen.measured.mean[rows, columns] - middle) - half - seen.allowance[rows, columns]
+    sure = np.maximum(np.maximum(seen.variance, seen.pooled), seen.usual)[rows, columns]
+    noisy = np.sqrt(sure) > _NOISY * np.abs(seen.truth[rows, columns])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = np.where((away > 0.0) & ~((sure > 0.0) & noisy), away / np.sqrt(sure), 0.0).max(axis=-1)
+    freedom = math.inf if seen.measured.source == "none" else float(seen.measured.freedom)
+    rejected = holm(_tails(z, len(seen.channels), freedom, level), level)
+    return [one for one, off in zip(found, rejected.tolist(), strict=True) if off]
 
 
 def holm(p: Array, level: float) -> Mask:
@@ -305,42 +281,3 @@ def _kurtosis(z: Array) -> float:
     centred = z - z.mean() if len(z) else z
     square = float((centred**2).mean()) if len(z) else 0.0
     return float((centred**4).mean()) / square**2 if square > 0.0 else 3.0
-
-
-def _pooled(variance: Array, truth: Array, classes: Array | None, usable: Mask, groups: int) -> Array:
-    """Mean variance over the pixels of a class that are of like light, ``groups`` of equal number a channel."""
-    found = variance.copy()
-    labels = np.zeros(usable.shape) if classes is None else classes
-    for code in np.unique(labels):
-        rows = np.flatnonzero(((labels == code) & usable).ravel())
-        if not len(rows):
-            continue
-        for c in range(variance.shape[2]):
-            order = rows if groups == 1 else rows[np.argsort(truth[..., c].ravel()[rows])]
-            flat = found[..., c].reshape(-1)
-            source = variance[..., c].ravel()
-            for part in np.array_split(order, max(1, min(groups, len(order) // 16))):
-                flat[part] = source[part].mean()
-            found[..., c] = flat.reshape(usable.shape)
-    return found
-
-
-def _correlation(difference: Array, pooled: Array, usable: Mask) -> float:
-    """By what factor the variance of a sum exceeds the sum of variances, from neighbours' residuals; at least 1.
-
-    Lags of up to two pixels, which a reconstruction filter reaches. A bias that is smooth raises it too, so it can
-    only make a mean harder to reject.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        z = np.where(usable[..., None] & (pooled > 0), difference / np.sqrt(pooled), 0.0)[..., 1]
-    z = z - z.mean()
-    power = float((z * z).sum())
-    if power <= 0.0:
-        return 1.0
-    factor, doubt = 1.0, 4.0 / math.sqrt(max(int((z != 0).sum()), 1))
-    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1), (0, 2), (2, 0)):
-        a = z[dy:, max(dx, 0) : z.shape[1] + min(dx, 0)]
-        b = z[: z.shape[0] - dy, max(-dx, 0) : z.shape[1] + min(-dx, 0)]
-        r = float((a * b).sum()) / power
-        factor += 2.0 * r if r > doubt else 0.0
-    return factor

@@ -16,6 +16,7 @@ def junit(verdict: Verdict) -> bytes:
         (f"{t.name} {t.region} {t.channel}", t.outcome, t.why, _words(t.z, t.adjusted)) for t in verdict.regions
     ]
     outcomes.append(("pixels", pixel.outcome, pixel.why, f"{pixel.rejected} of {pixel.judged} rejected"))
+    outcomes += [("undecided", "not judged", why, "") for why in verdict.undecided]
     suite = Element(
         "testsuite",
         name=f"symrender audit of {printable(verdict.scene)}",

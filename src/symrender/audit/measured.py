@@ -11,9 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
+from symrender.execution.provenance import filtered
 from symrender.images.exr import XYZ_OF_RGB, srgb_of
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS, MAX_AUDIT_SAMPLES, MAX_SEEDS, MIN_SEEDS
+from symrender.settings import RADII, Filter
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -30,16 +32,49 @@ _MIN_SAMPLES: Final = 16
 
 
 class Origin(NamedTuple):
-    """What the file of an image says of its pixels, as its metadata hold it: see ``symrender.images.exr``."""
+    """What the metadata of an image say of its pixels, which all renders of an audit must share.
+
+    ``data_window`` and ``chromaticities``: see ``symrender.images.exr``. ``precision`` of one sample: half, single or
+    double. ``rays``: what a pixel is, a filter or "centre". ``radiance_lost``: most radiance by which the exported
+    scene differs from the scene. ``ray_offset``: "a b", secondary rays start a + b max |p| off a place p.
+    ``placed``: "scale x y z", the renderer has the place p at scale (p - (x, y, z)).
+    """
 
     data_window: str = ""
     precision: str = ""
     chromaticities: str = ""
+    rays: str = ""
+    radiance_lost: str = ""
+    ray_offset: str = ""
+    placed: str = ""
 
     @classmethod
     def of(cls, image: Image) -> Origin:
         """The origin of an image."""
-        return cls(*(image.meta.get(name, "") for name in cls._fields))
+        found = cls(*(image.meta.get(name, "") for name in cls._fields))
+        made = filtered(image.meta)
+        return found if made is None else found._replace(rays=made.filter)
+
+    @property
+    def filter(self) -> Filter | None:
+        """What a pixel is, None where nothing says so."""
+        if not self.rays:
+            return None
+        for name in RADII:
+            if name == self.rays:
+                return name
+        raise ImageError(f"rays: must be one of {', '.join(RADII)}, got {self.rays[:40]!r}")
+
+    def numbers(self, name: str, count: int) -> tuple[float, ...]:
+        """The ``count`` finite numbers of a field, none of an empty one."""
+        text = getattr(self, name)
+        try:
+            found = tuple(float(word) for word in text.split())
+        except ValueError:
+            found = ()
+        if text and (len(found) != count or not np.isfinite(found).all()):
+            raise ImageError(f"{name}: must be {count} finite numbers, got {text[:60]!r}")
+        return found
 
     def held(self, height: int, width: int) -> Mask:
         """(h, w): which pixels the file holds; the others are NaN."""
@@ -74,8 +109,9 @@ class Measured:
 
     ``samples`` a pixel (seeds: how many images), ``freedom`` the degrees of freedom of one variance. ``seeds``
     (K, h, w, c) are the images themselves where the variance comes from them. ``basis`` takes radiance (h, w, 3) to
-    the channels that were measured. ``single``: every mean is a number of at most 32 bits. ``receipts``: the scene
-    hashes that the images carry, "" where one carries none. ``origin`` is what their files say of all their pixels.
+    the channels that were measured. ``single``: samples have at most 32 bits, or nothing says what they have.
+    ``receipts``: the scene hashes that the images carry, "" where one carries none. ``origin`` is what their files say
+    of all their pixels.
     """
 
     mean: Array
@@ -115,7 +151,7 @@ def measured(renders: Sequence[Render], samples: int = 0, *, noise_free: bool = 
         origin = Origin.of(image)
         mean = finite(origin.within(image.radiance), f"{name}: radiance")
         return Measured(
-            mean, np.zeros_like(mean), 1, "none", ("R", "G", "B"), np.eye(3), _is_single(mean, origin),
+            mean, np.zeros_like(mean), 1, "none", ("R", "G", "B"), np.eye(3), _is_single(origin),
             (_receipt(image),), origin=origin,
         )  # fmt: skip
     if len(renders) == 1:
@@ -129,12 +165,17 @@ def radiances(renders: Iterable[Render], origin: Origin | None = None) -> tuple[
     """Radiance of images of one size, (K, h, w, 3), their receipts, and their ``origin``, which they must share."""
     found: list[Array] = []
     receipts: list[str] = []
+    seeds: dict[str, str] = {}
     pixels = 0
     for render in renders:
         image, name = _read(render)
         origin = origin or Origin.of(image)
-        if Origin.of(image) != origin:
-            raise ImageError(f"{name}: has another data window, precision or chromaticities than the first render")
+        if other := [n for n, a, b in zip(Origin._fields, Origin.of(image), origin, strict=True) if a != b]:
+            raise ImageError(f"{name}: has another {', '.join(other)} than the first render")
+        seed = image.meta.get("seed", "")
+        if seed and seed in seeds:
+            raise ImageError(f"{name}: was made with seed {seed[:20]}, as {seeds[seed]} was; each needs one of its own")
+        seeds[seed] = name
         values = finite(origin.within(image.radiance), f"{name}: radiance")
         if found and values.shape != found[0].shape:
             raise ImageError(f"{name}: is {_size(values)} pixels, the first render {_size(found[0])}")
@@ -154,8 +195,8 @@ def of_seeds(seeds: Array, receipts: tuple[str, ...] = (), origin: Origin = NOWH
     alike = [k for k in range(1, count) if np.array_equal(seeds[0], seeds[k])]
     if alike and variance.any():
         raise ImageError(f"renders: images 1 and {alike[0] + 1} are equal, each must have a seed of its own")
-    exact = _is_single(seeds[0], origin)
-    return Measured(mean, variance, count, "seeds", ("R", "G", "B"), np.eye(3), exact, receipts, seeds, origin)
+    single = _is_single(origin)
+    return Measured(mean, variance, count, "seeds", ("R", "G", "B"), np.eye(3), single, receipts, seeds, origin)
 
 
 def _of_moments(render: Render, samples: int) -> Measured:
@@ -166,11 +207,12 @@ def _of_moments(render: Render, samples: int) -> Measured:
         got = "none" if samples == 0 else str(samples)
         raise OptionError(f"samples: must be the samples a pixel, {_MIN_SAMPLES} to {MAX_AUDIT_SAMPLES}, got {got}")
     origin = Origin.of(image)
+    single = _is_single(origin)
     mean, second = finite(origin.within(mean), f"{name}: mean"), finite(origin.within(second), f"{name}: {source}")
-    single = _is_single(mean, origin)
     if source == "moments":
-        # sums of squares of few digits cancel: what is below their rounding is no variance
-        rounding = (SINGLE * 2 if single else 1e-14) * second
+        # sums of squares of few digits cancel: what is below their rounding is no variance; here it counts how many
+        # digits the sums have, which may be more than those of a sample
+        rounding = (SINGLE * 2 if _in_single(mean) or origin.chromaticities else 1e-14) * second
         rounding = rounding + origin.rounding(second) + 2.0 * np.abs(mean) * origin.rounding(mean)
         spread = second - mean * mean
         bad = int((spread < -64.0 * rounding).sum())
@@ -240,10 +282,16 @@ def _samples(image: Image) -> int:
     return int(told) if told.isascii() and told.isdigit() and len(told) < 19 else 0
 
 
-def _is_single(values: Array, origin: Origin) -> bool:
-    """Whether values were kept in at most 32 bits, of which a conversion of colours makes numbers of more."""
-    if origin.chromaticities:
-        return True
+def _is_single(origin: Origin) -> bool:
+    """Whether samples may have been of 32 bits or fewer: always, unless a receipt says that they were of 64.
+
+    The means do not tell: the mean of many 32-bit numbers is no 32-bit number.
+    """
+    return origin.precision != "double"
+
+
+def _in_single(values: Array) -> bool:
+    """Whether all values are numbers of 32 bits."""
     with np.errstate(over="ignore", under="ignore"):
         return bool(np.array_equal(values, values.astype(np.float32)))
 

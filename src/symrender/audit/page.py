@@ -30,7 +30,7 @@ def page(verdict: Verdict) -> str:
     style = (resources.files("symrender.audit") / "page.css").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     policy = f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; base-uri 'none'; form-action 'none'"
-    word = "passed" if verdict.passed else "failed"
+    word = verdict.verdict
     parts = [
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{escape(policy)}">',
@@ -45,6 +45,7 @@ def page(verdict: Verdict) -> str:
         "</section>",
         _attribution(verdict),
         f"<section><h2>Single pixels</h2>{_histogram(verdict)}{_pixels(verdict)}</section>",
+        _aside(verdict),
         _notes(verdict),
         "</main>",
         f'<footer><p class="quiet">{escape(_receipt(verdict))}</p></footer>\n</body>\n</html>\n',
@@ -67,6 +68,7 @@ def _maps(verdict: Verdict) -> str:
             _picture(marks, 0.0, 2.0, SEQUENTIAL),
             "green: discovered; yellow: rejected",
         ),
+        ("Pixels set aside", _picture(verdict.maps["aside"], 0.0, 1.0, SEQUENTIAL), "yellow: set aside"),
     )
     figures = "".join(
         f'<figure><img alt="{escape(name)}: {escape(words)}" src="data:image/png;base64,{data}">'
@@ -115,7 +117,7 @@ def _attribution(verdict: Verdict) -> str:
 
 
 def _histogram(verdict: Verdict) -> str:
-    """The z values of pixels beside the normal density, as SVG."""
+    """The z values of pixels and the normal density, as SVG."""
     z = verdict.maps["z"]
     z = z[np.isfinite(z) & (z != 0.0)]
     if z.size < 16:
@@ -149,6 +151,23 @@ def _pixels(verdict: Verdict) -> str:
         f"kurtosis {pixel.kurtosis:.3g}."
     )
     return f"<p>{escape(words)} {escape(pixel.why)}</p>"
+
+
+def _aside(verdict: Verdict) -> str:
+    if not verdict.pixels.aside:
+        return ""
+    head = "".join(f"<th>{words}</th>" for words in ("column", "row", "truth", "least within reach", "most"))
+    rows = "".join(
+        f"<tr><td>{one.column}</td><td>{one.row}</td>"
+        + "".join(f"<td>{escape(' '.join(f'{v:.5g}' for v in part))}</td>" for part in (one.truth, one.low, one.high))
+        + "</tr>"
+        for one in verdict.sub_pixel
+    )
+    return (
+        f"<section><h2>Pixels set aside</h2><p>The truth of {verdict.pixels.aside} pixels changes within reach of the "
+        "renderer's rays, so they decide nothing. Those that differ most, red green blue:</p>"
+        f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div></section>'
+    )
 
 
 def _notes(verdict: Verdict) -> str:

@@ -96,7 +96,7 @@ def _finer(scene: AnyScene, true: Image, threads: int) -> list[Region]:
             Region("sky gradients", _beside(np.round(8.0 * _relative(bare))), "how the sky is hidden near contacts")
         )
     if any(hasattr(getattr(material, "reflectance", None), "cell") for material in scene.materials.values()):
-        shown = _filled(reflectance_rows(radiometric_arrays(scene), *size), size, threads)
+        shown = filled(reflectance_rows(radiometric_arrays(scene), *size), size, threads)
         seen = (bare.sum(axis=-1) > 0.0) & (shown.sum(axis=-1) > 0.0)
         lines = _jumps(np.where(seen[..., None], shown, np.nan))
         found.append(Region("texture lines", lines, "texture coordinates, cells, half-cell offsets"))
@@ -129,13 +129,13 @@ def _direct(
     sided = {name: part.get("two_sided", False) for name, part in data["materials"].items()}
     data["materials"] = {name: white | {"two_sided": sided[name]} for name in data["materials"]}
     data |= {"bounces": 0, "lights": [light.model_dump() for light in lights]}
-    return _filled(direct_rows(radiometric_arrays(RadiometricScene.model_validate(data)), *size), size, threads)
+    return filled(direct_rows(radiometric_arrays(RadiometricScene.model_validate(data)), *size), size, threads)
 
 
-def _filled(rows: Rows, size: tuple[int, int], threads: int) -> Array:
-    """A layer (h, w, 3) that ``rows`` fill, a few at a time so that Ctrl-C is heard."""
+def filled(rows: Rows, size: tuple[int, int], threads: int, last: int = 3) -> Array:
+    """A layer (h, w, last) that ``rows`` fill, a few at a time so that Ctrl-C is heard."""
     width, height = size
-    layer, step = np.zeros((height, width, 3)), max(1, _AT_ONCE // width)
+    layer, step = np.zeros((height, width, last)), max(1, _AT_ONCE // width)
     with ThreadPoolExecutor(thread_count(threads)) as pool:
         started = [pool.submit(rows, y, min(y + step, height), layer) for y in range(0, height, step)]
         try:

@@ -47,7 +47,8 @@ def sequential(renders: Iterable[Render], level: float, visible: float, look: Lo
             raise OptionError(f"sequential: needs at least {MIN_SEEDS} images of {MIN_SEEDS} seeds, got {got}")
         verdict = look(of_seeds(held, receipts, origin or NOWHERE), level / 2.0**number, number)
         whole = max((t.visible_relative for t in verdict.regions if t.region == "all"), default=np.inf)
-        if not verdict.passed or whole <= visible or len(held) < count:
+        decided = verdict.verdict == "failed" or (verdict.passed and whole <= visible)
+        if decided or len(held) < count:
             return verdict
     raise OptionError(f"sequential: {MAX_SEEDS} images are the most")
 

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from symrender.audit.reach import SubPixel
+
 Array = npt.NDArray[np.float64]
 Outcome = Literal["passed", "failed", "not judged"]
+Decision = Literal["passed", "failed", "undecided"]
+_LISTED: Final = 8
+"""Pixels set aside that a terminal lists."""
+
+SCHEMA: Final = 2
+"""Version of the JSON of a verdict: rises when a field goes or changes its meaning."""
 
 
 @dataclass(frozen=True)
@@ -18,10 +26,11 @@ class Finding:
     """One test of the family.
 
     ``bias`` is what was measured less the truth (``scale``: relative), ``error`` its standard error, ``allowance`` what
-    the truth's own error and 32-bit rounding may make of it, ``z`` the bias beyond its allowance in standard errors
-    with ``freedom`` degrees, ``p`` its two-sided probability and ``adjusted`` that after Holm. ``visible`` is the
-    smallest bias that such a test sees with probability .9. ``relative`` and ``visible_relative`` are over the
-    truth's mean. ``why``: what makes a test unsafe to judge.
+    the truth's own error, the margin and the reach of its rays may make of it, ``z`` the bias beyond its allowance in
+    standard errors with ``freedom`` degrees, ``p`` its two-sided probability and ``adjusted`` that after Holm.
+    ``visible`` is the smallest bias that such a test sees with probability .9. ``relative`` and ``visible_relative``
+    are over the truth's mean. ``why``: what makes a test unsafe to judge. ``margin``: the part of ``allowance`` that
+    is the equivalence margin.
     """
 
     name: str
@@ -39,6 +48,13 @@ class Finding:
     visible: float
     outcome: Outcome
     why: str = ""
+    margin: float = 0.0
+
+    @property
+    def within(self) -> bool:
+        """Whether the margin alone makes nothing of a bias of five standard errors or more."""
+        beyond = abs(self.bias) - (self.allowance - self.margin)
+        return self.outcome == "passed" and self.margin > 0.0 and beyond > 5.0 * self.error
 
     @property
     def relative(self) -> float:
@@ -56,7 +72,8 @@ class PixelTest:
     """Every pixel by itself: ``rejected`` by Holm at its share of the level, ``discovered`` by Benjamini-Hochberg.
 
     ``unjudged`` pixels are too noisy for the normal distribution or have no truth. ``worst`` is (column, row).
-    ``kurtosis`` is that of the z values, 3 where they are normal.
+    ``kurtosis`` is that of the z values, 3 where they are normal. ``aside`` pixels are set aside, because their truth
+    changes within reach of their rays.
     """
 
     judged: int
@@ -68,6 +85,7 @@ class PixelTest:
     kurtosis: float
     outcome: Outcome
     why: str = ""
+    aside: int = 0
 
 
 @dataclass(frozen=True)
@@ -103,8 +121,8 @@ class Verdict:
 
     Attributes
     ----------
-    passed : bool
-        Whether no test failed.
+    verdict : {"passed", "failed", "undecided"}
+        Whether a test failed; undecided where none did and ``undecided`` names a reason.
     level : float
         Family-wise level.
     scene, scene_hash : str
@@ -128,10 +146,14 @@ class Verdict:
     looks : int
         Interim looks of a sequential audit, 1 without.
     maps : mapping of str to ndarray
-        ``difference``, ``z``, ``error`` (h, w, c) and ``rejected``, ``discovered`` (h, w).
+        ``difference``, ``z``, ``error`` (h, w, c) and ``rejected``, ``discovered``, ``aside`` (h, w).
+    undecided : tuple of str
+        Why a verdict that is not failed is not passed either.
+    sub_pixel : tuple of SubPixel
+        Pixels set aside with their sub-pixel truth, at most 64.
     """
 
-    passed: bool
+    verdict: Decision
     level: float
     scene: str
     scene_hash: str
@@ -145,6 +167,18 @@ class Verdict:
     notes: tuple[str, ...]
     looks: int = 1
     maps: Mapping[str, Array] = field(default_factory=dict, repr=False)
+    undecided: tuple[str, ...] = ()
+    sub_pixel: tuple[SubPixel, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether the verdict is ``passed``."""
+        return self.verdict == "passed"
+
+    @property
+    def exit_code(self) -> int:
+        """What the command ends with: 0 passed, 1 failed, 3 undecided."""
+        return {"passed": 0, "failed": 1, "undecided": 3}[self.verdict]
 
     @property
     def failed(self) -> tuple[Finding, ...]:
@@ -158,6 +192,8 @@ class Verdict:
         if self.passed:
             seen = f"a bias of {_percent(whole.visible_relative)} over the whole image would have been seen"
             return f"Passed: nothing tells this render from the truth of {self.scene}; {seen}."
+        if self.verdict == "undecided":
+            return f"Undecided: {'; '.join(self.undecided)}."
         words = []
         if self.failed:
             worst = self.failed[0]
@@ -195,26 +231,43 @@ class Verdict:
             f"  pixels: {pixel.judged} judged, {pixel.unjudged} not; {pixel.rejected} rejected (Holm), "
             f"{pixel.discovered} discovered (Benjamini-Hochberg); {pixel.outcome}{_because(pixel.why)}"
         )
+        if pixel.aside:
+            lines.append(f"  set aside: {pixel.aside} pixels whose truth changes within reach of their rays")
+        lines += [f"    {_sub_pixel(one)}" for one in self.sub_pixel[:_LISTED]]
         lines += [f"attribution: {found.text()}; {found.how}" for found in self.attribution]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join([*lines, self.sentence()])
 
     def as_json(self) -> dict[str, Any]:
         """Plain data without the maps; what is not a finite number is null."""
-        kept: dict[str, Any] = {
+        kept: dict[str, Any] = {"schema": SCHEMA} | {
             name: getattr(self, name)
-            for name in ("passed", "level", "scene", "scene_hash", "source", "samples", "looks")
+            for name in ("verdict", "passed", "level", "scene", "scene_hash", "source", "samples", "looks")
         }
         kept |= {"size": list(self.size), "sentence": self.sentence(), "notes": list(self.notes)}
         kept["tests"] = [_plain(asdict(test)) for test in self.tests]
         kept["regions"] = [_plain(asdict(test)) for test in self.regions]
         kept["pixels"] = _plain(asdict(self.pixels))
+        kept["undecided"] = list(self.undecided)
+        kept["sub_pixel"] = [
+            {"column": b.column, "row": b.row} | {n: getattr(b, n).tolist() for n in ("truth", "low", "high")}
+            for b in self.sub_pixel
+        ]
         kept["attribution"] = [_plain(asdict(found)) for found in self.attribution]
         return kept
 
 
 def _label(test: Finding) -> str:
     return f"{test.name} {test.region} {test.channel}" if test.name != "scale" else "scale (truth times 1 + b)"
+
+
+def _sub_pixel(one: SubPixel) -> str:
+    """A pixel set aside: its channel that changes most."""
+    c = int((one.high - one.low).argmax())
+    return (
+        f"({one.column}, {one.row}): truth {one.truth[c]:.6g}, within reach {one.low[c]:.6g} to {one.high[c]:.6g} "
+        f"in {('red', 'green', 'blue')[c]}"
+    )
 
 
 def _because(why: str) -> str:

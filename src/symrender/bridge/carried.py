@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
 from symrender.errors import OptionError, Unsupported
@@ -21,6 +21,11 @@ from symrender.settings import image_size
 from symrender.version import VERSION
 
 Rays = Literal["box", "centre"]
+RAY_OFFSETS: Final[Mapping[str, tuple[float, float]]] = {"mitsuba": (1500.0 * 2.0**-24, 1500.0 * 2.0**-24)}
+"""Renderers whose secondary rays start a + b max |p| off a place p: (a, b); Mitsuba's ``Interaction.offset_p``.
+
+pbrt's start as far off as its own bounds of roundings say, which is within the reach of 32 bits.
+"""
 
 
 @dataclass(frozen=True)
@@ -120,6 +125,17 @@ def _square(shape: Shape) -> bool:
     return abs(along) <= AGREE * math.hypot(*shape.edge_u) * math.hypot(*shape.edge_v)
 
 
+def _of_renders(to: str, scale: float, origin: Triple, lost: list[float | None]) -> dict[str, str]:
+    """What the metadata of renders tell an audit: where places are, where secondary rays start, what squares lose."""
+    told = {"placed": " ".join(map(repr, (scale, *origin)))}
+    if to in RAY_OFFSETS:
+        told["ray_offset"] = "{!r} {!r}".format(*RAY_OFFSETS[to])
+    bounded = [each for each in lost if each is not None]
+    if len(bounded) == len(lost):
+        told["radiance_lost"] = repr(float(sum(bounded)))
+    return told
+
+
 def _receipt(
     to: str,
     checked: str,
@@ -157,6 +173,7 @@ def _receipt(
         "rays": rays,
         "bounces": scene.bounces,
         "units": "radiance, W/(m2 sr), linear rgb channel by channel",
+        "of_renders": _of_renders(to, scale, origin, [plane["radiance_lost_within"] for plane in planes.values()]),
         "planes": planes,
         "planes_say": "a square of half a side half_side about the plane's point stands for an endless plane: rays "
         "that meet it further out see nothing; places within `within` of the point, which holds eye, spheres and point "

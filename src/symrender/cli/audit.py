@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from symrender.cli._completions import scene_names
-from symrender.cli._means import FilterOption, Threads
+from symrender.cli._means import Threads
 from symrender.cli._options import Define, Force, Quiet, any_scene_with, scene_files
+from symrender.settings import Filter
 
 
 def audit(
@@ -35,7 +36,17 @@ def audit(
     derivative: Annotated[
         str, typer.Option(metavar="NAME", help="The renders are derivatives in this number of the scene.")
     ] = "",
-    filter: FilterOption = "centre",
+    filter: Annotated[
+        Filter | None, typer.Option(help="What a pixel of the renders is; else what their receipts say, or centre.")
+    ] = None,
+    allow: Annotated[
+        str | None,
+        typer.Option(metavar="REL[,ABS]", help="Margin: differences of this part of the radiance do not count."),
+    ] = None,
+    ray_offset: Annotated[
+        str | None,
+        typer.Option(metavar="A[,B]", help="The renderer's secondary rays start A + B max |p| off the place p."),
+    ] = None,
     tol: Annotated[float, typer.Option(help="Tolerance of the truth; 0: far under the noise.")] = 0.0,
     threads: Threads = 0,
     define: Define = None,
@@ -45,7 +56,7 @@ def audit(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Judge RENDERS of a scene: exit 0 passed, 1 failed, 2 cannot be judged.
+    """Judge RENDERS of a scene: exit 0 passed, 1 failed, 2 faulty input, 3 undecided.
 
     The variance comes from second moments (Mitsuba's moment integrator), from variances (pbrt's gbuffer film) or from
     the scatter of 8 or more seeds. The power is stated first: the smallest bias of each region that would be seen.
@@ -73,7 +84,7 @@ def audit(
         verdict = judge(
             renders, chosen, truth=truth, samples=samples, noise_free=noise_free, sequential=sequential,
             visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, tol=tol, derivative=derivative,
-            filter=filter, threads=threads,
+            filter=filter, allow=_pair("allow", allow), ray_offset=_pair("ray-offset", ray_offset), threads=threads,
         )  # fmt: skip
     if json is not None:
         text = json_module.dumps(verdict.as_json(), indent=2, allow_nan=False) + "\n"
@@ -86,5 +97,21 @@ def audit(
         typer.echo(verdict.text())
         for target in targets:
             typer.echo(f"wrote {target}")
-    if not verdict.passed:
-        raise typer.Exit(1)
+    if verdict.exit_code:
+        raise typer.Exit(verdict.exit_code)
+
+
+def _pair(name: str, text: str | None) -> tuple[float, float] | None:
+    """One or two numbers of an option, the second 0 where it is left out."""
+    from symrender.errors import OptionError
+
+    if text is None:
+        return None
+    words = text.split(",")
+    try:
+        first, second = (float(word) for word in (*words, "0")[:2])
+    except ValueError:
+        raise OptionError(f"{name}: must be one or two numbers, got {text[:40]!r}") from None
+    if len(words) > 2:
+        raise OptionError(f"{name}: must be one or two numbers, got {text[:40]!r}")
+    return first, second

@@ -98,6 +98,9 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
             meta[name.removeprefix(PREFIX) if name.startswith(PREFIX) else f"exr.{name}"] = value
     if any(pixels.dtype == np.float16 for name, pixels in channels.items() if name.rpartition(".")[2] in (*_RGB, "Y")):
         meta["precision"] = "half"
+    elif meta.get("precision") == "double":
+        # floats of an EXR have 32 bits at most, whatever the samples had
+        meta["precision"] = "single"
     shape = held[3] - held[1] + 1, held[2] - held[0] + 1
     for name, pixels in channels.items():
         if pixels.shape != shape:

@@ -26,12 +26,12 @@ LEAST: Final = 2.0**-50
 """Relative error stated at least: roundings that do not depend on where anything is."""
 
 
-def shaken(arrays: RadiometricArrays) -> list[RadiometricArrays]:
-    """The scene, then 2 ``PAIRS`` of it with every number moved by up to ``SHAKE`` of its size.
+def shaken(arrays: RadiometricArrays, shake: float = SHAKE) -> list[RadiometricArrays]:
+    """The scene, then 2 ``PAIRS`` of it with every number moved by up to ``shake`` of its size.
 
     Places are moved by that part of the largest coordinate of the scene, in which the way of a ray is rounded.
     """
-    return [arrays, *(_moved(arrays, pair, sign) for pair in range(PAIRS) for sign in (SHAKE, -SHAKE))]
+    return [arrays, *(_moved(arrays, pair, sign) for pair in range(PAIRS) for sign in (shake, -shake))]
 
 
 def shaken_rays(arrays: RadiometricArrays, origins: Array, directions: Array) -> list[tuple[Array, Array]]:

@@ -10,17 +10,20 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.radiometric import tile
+from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import seen
+from symrender.radiometric.world import Seen, seen
 from symrender.runtimes.bounce import hits
 from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.radiometric.arrays import RadiometricArrays
 
+Ints = npt.NDArray[np.intp]
 Rows = Callable[[int, int, Array], None]
 """``rows(y0, y1, layer)`` fills rows y0:y1 of a layer (h, w, 3); rows apart may be filled at the same time."""
 
@@ -55,7 +58,82 @@ def reflectance_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows
     return rows
 
 
-@lru_cache(maxsize=2)
+def shaken_rows(arrays: RadiometricArrays, width: int, height: int, shake: float) -> tuple[Rows, ...]:
+    """What rays through centres of pixels meet in the scene and in those of ``shaken``, a ``Rows`` each.
+
+    A layer (h, w, 4) takes emitted and direct light, as far as it is closed, and the class of the shape.
+    """
+    check(arrays)
+    # each lays out its own: what one decides of lights in planes and of bounds another, this far off, need not
+    views = [seen(each, width, height) for each in shaken(arrays, shake)]
+
+    def rows_of(view: Seen) -> Rows:
+        def rows(y0: int, y1: int, layer: Array) -> None:
+            emitted, direct, hit_class = (np.zeros((y1 - y0, width, *last)) for last in ((3,), (3,), ()))
+            part = (width, height, 0, y0, width, y1)
+            _kernel("fill_tile")(*view, *part, sky_room(view.world), emitted, direct, hit_class)
+            layer[y0:y1, :, :3], layer[y0:y1, :, 3] = emitted + direct, hit_class
+
+        return rows
+
+    return tuple(map(rows_of, views))
+
+
+def displaced_rows(arrays: RadiometricArrays, width: int, height: int, far: Array, turn: float) -> Rows:
+    """The same where the ray of every pixel starts ``far`` (h, w) off the eye, at right angles to itself.
+
+    So its place on any shape moves by that length or more. ``turn`` is the angle from the image's right.
+    """
+    check(arrays)
+    view = seen(arrays, width, height)
+    room = sky_room(view.world)
+
+    def rows(y0: int, y1: int, layer: Array) -> None:
+        count = width * (y1 - y0)
+        directions, emitted, direct = np.zeros((3, count, 3))
+        _kernel("fill_directions")(view.window, width, height, 0, y0, width, y1, directions)
+        hit_class = np.zeros(count)
+        origins = view.eye + far[y0:y1].reshape(-1, 1) * _across(view, directions, turn)
+        _kernel("fill_rays")(view.world, origins, directions, room, emitted, direct, hit_class)
+        layer[y0:y1, :, :3] = (emitted + direct).reshape(y1 - y0, width, 3)
+        layer[y0:y1, :, 3] = hit_class.reshape(y1 - y0, width)
+
+    return rows
+
+
+def places_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows:
+    """Where the centre of a pixel looks, (h, w, 3); the eye itself where nothing is."""
+    view = seen(arrays, width, height)
+
+    def rows(y0: int, y1: int, layer: Array) -> None:
+        directions = np.zeros((width * (y1 - y0), 3))
+        _kernel("fill_directions")(view.window, width, height, 0, y0, width, y1, directions)
+        found = hits(view.world, np.tile(view.eye, (len(directions), 1)), directions)
+        places = np.where(found.shape[:, None] < 0, view.eye, found.place)
+        layer[y0:y1] = places.reshape(y1 - y0, width, 3)
+
+    return rows
+
+
+def displaced_rays(
+    arrays: RadiometricArrays, width: int, height: int, columns: Ints, rows: Ints, far: Array, turn: float
+) -> tuple[Array, Array]:
+    """Origins and unit directions (N, 3) of the rays of ``displaced_rows`` through some pixels alone."""
+    view = seen(arrays, width, height)
+    directions = np.zeros((len(columns), 3))
+    for k, (column, row) in enumerate(zip(columns.tolist(), rows.tolist(), strict=True)):
+        _kernel("fill_directions")(view.window, width, height, column, row, column + 1, row + 1, directions[k : k + 1])
+    return view.eye + far[:, None] * _across(view, directions, turn), directions
+
+
+def _across(view: Seen, directions: Array, turn: float) -> Array:
+    """Unit vectors at right angles to directions, ``turn`` away from the image's right."""
+    right = view.window[1] - (directions @ view.window[1])[:, None] * directions
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    return np.asarray(np.cos(turn) * right + np.sin(turn) * np.cross(directions, right))
+
+
+@lru_cache(maxsize=3)
 def _kernel(name: str) -> Any:
     """Compiled function of ``radiometric/tile.py``."""
     # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
