@@ -188,3 +188,46 @@ def test_filter_seed_and_lost_radiance_are_read(truths: Truths) -> None:
     ):  # fmt: skip
         with pytest.raises(ImageError, match=told):
             sr.audit(Image({"radiance": true.radiance}, meta), scene, noise_free=True, tol=1e-6)
+
+
+@pytest.mark.parametrize("filter", ["centre", "box"])
+def test_what_an_exported_square_does_not_hold_is_set_aside(filter: str) -> None:
+    """A floor seen out to its horizon, exported as a square: a render is black where the square has ended."""
+    scene = sr.load(edged() | {"camera": {"type": "look_at", "eye": [0, -6, 1.5], "target": [0, 0, 0.9], "fov": 30}})
+    true = sr.truth(scene, size=SIZE, tol=1e-6, filter=filter)  # type: ignore[call-overload]
+    wide = sr.truth(scene, size=(8 * SIZE[0], 8 * SIZE[1]), tol=1e-6)
+    rows = 1.5 / np.tan(np.radians(5.71 - np.arange(-15, 15, 0.01)))
+    assert (rows > 50).any(), "the horizon is in view"
+    half = 20.0
+    x, y = (np.arange(n) + 0.5 for n in (8 * SIZE[0], 8 * SIZE[1]))
+    forward, up, reach = (
+        np.array([0, 1, -0.1]) / np.hypot(1, 0.1),
+        np.array([0, 0.1, 1]) / np.hypot(1, 0.1),
+        np.tan(np.radians(15)),
+    )
+    ways = (
+        forward
+        + ((2 * x / len(x) - 1)[None, :, None] * reach * SIZE[0] / SIZE[1] * np.array([1.0, 0, 0]))
+        + (1 - 2 * y / len(y))[:, None, None] * reach * up
+    )
+    with np.errstate(divide="ignore"):
+        places = np.array([0, -6, 1.5]) - 1.5 * ways / ways[..., 2:]
+    gone = (wide.layers["hit_class"] == 1) & (np.abs(places[..., :2]).max(axis=-1) > half)
+    cut = np.where(gone[..., None], 0.0, wide.radiance)
+    if filter == "box":
+        cut = cut.reshape(SIZE[1], 8, SIZE[0], 8, 3).mean(axis=(1, 3))
+        kept = wide.radiance.reshape(SIZE[1], 8, SIZE[0], 8, 3).mean(axis=(1, 3))
+        radiance = true.radiance + cut - kept
+    else:
+        gone = gone[4::8, 4::8]
+        radiance = np.where(gone[..., None], 0.0, true.radiance)
+    off = np.abs(radiance - true.radiance).max(axis=-1) > 1e-3
+    assert 8 < off.sum() < 100
+    bare = sr.audit(Image({"radiance": radiance}), scene, truth=true, noise_free=True, explain=False)
+    assert bare.verdict == "failed"
+    told = Image({"radiance": radiance}, {"squares": f"floor={10 * half}", "placed": "10 0 0 0"})
+    verdict = sr.audit(told, scene, truth=true, noise_free=True, explain=False)
+    assert verdict.maps["aside"][off].all() and not verdict.failed and verdict.verdict != "failed"
+    assert verdict.pixels.judged > 250
+    with pytest.raises(ImageError, match="squares: must be name=half side"):
+        sr.audit(Image({"radiance": radiance}, {"squares": "floor=wide"}), scene, truth=true, noise_free=True)

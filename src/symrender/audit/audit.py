@@ -253,11 +253,14 @@ class Auditor:
             placed = found.origin.numbers("placed", 4) or (1.0, 0.0, 0.0, 0.0)
             if placed[0] <= 0.0:
                 raise ImageError(f"placed: its scale must be positive, got {placed[0]:g}")
-            if not isinstance(scene, RadiometricScene) or not (found.single or any(offset)):
+            if not isinstance(scene, RadiometricScene) or not (found.single or any(offset) or found.origin.halves):
                 self._reach = nowhere(size)
             else:
                 filtered = self.filter != "centre" or _exposed(scene) or bool(self.derivative)
-                self._reach = reach(scene, true, found.single, (offset[0], offset[1]), placed, filtered, self.threads)
+                self._reach = reach(
+                    scene, true, found.single, (offset[0], offset[1]), placed, found.origin.halves, filtered,
+                    self.threads,
+                )  # fmt: skip
         return self._reach
 
     def _sub_pixel(self, seen: Evidence, true: Image, known: Reach, found: Measured) -> tuple[SubPixel, ...]:

@@ -37,7 +37,8 @@ class Origin(NamedTuple):
     ``data_window`` and ``chromaticities``: see ``symrender.images.exr``. ``precision`` of one sample: half, single or
     double. ``rays``: what a pixel is, a filter or "centre". ``radiance_lost``: most radiance by which the exported
     scene differs from the scene. ``ray_offset``: "a b", secondary rays start a + b max |p| off a place p.
-    ``placed``: "scale x y z", the renderer has the place p at scale (p - (x, y, z)).
+    ``placed``: "scale x y z", the renderer has the place p at scale (p - (x, y, z)). ``squares``: "name=half ...", half
+    sides of the squares that stand for planes, in the renderer's lengths.
     """
 
     data_window: str = ""
@@ -47,6 +48,7 @@ class Origin(NamedTuple):
     radiance_lost: str = ""
     ray_offset: str = ""
     placed: str = ""
+    squares: str = ""
 
     @classmethod
     def of(cls, image: Image) -> Origin:
@@ -64,6 +66,20 @@ class Origin(NamedTuple):
             if name == self.rays:
                 return name
         raise ImageError(f"rays: must be one of {', '.join(RADII)}, got {self.rays[:40]!r}")
+
+    @property
+    def halves(self) -> dict[str, float]:
+        """Half sides of the squares that stand for planes."""
+        found = {}
+        for word in self.squares.split():
+            name, _, half = word.partition("=")
+            try:
+                found[name] = float(half)
+            except ValueError:
+                found[name] = 0.0
+            if not 0.0 < found[name] < np.inf:
+                raise ImageError(f"squares: must be name=half side ..., got {word[:60]!r}")
+        return found
 
     def numbers(self, name: str, count: int) -> tuple[float, ...]:
         """The ``count`` finite numbers of a field, none of an empty one."""

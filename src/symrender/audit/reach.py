@@ -17,9 +17,10 @@ from symrender.audit.regions import filled
 from symrender.errors import SymrenderError, Unsupported
 from symrender.images.image import Image
 from symrender.probe import probe
-from symrender.runtimes.glimpse import displaced_rays, displaced_rows, places_rows, shaken_rows
-from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.runtimes.glimpse import displaced_rays, displaced_rows, places_rows, plane_apart, shaken_rows
+from symrender.scene.radiometric.arrays import FIRST_SHAPE, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -28,8 +29,12 @@ SHAKE: Final = 2.0**-21
 """Relative size of what 32-bit arithmetic does to the numbers of a scene, 4 units in the last place of its largest."""
 SLANT: Final = 8.0
 """Lengths along a surface over the offset from it: a shadow's edge moves so far under a light 7 degrees high."""
+_PLACES: Final = 2.0**-22
+"""What a place in a square is rounded by, over half its side: one unit in the last place of its coordinates."""
 _TURNS: Final = 8
 """Directions in which rays are displaced."""
+_UNSEEN: Final = 1e100
+"""Change of a pixel that shows what the exported scene does not hold."""
 _KEPT: Final = 64
 """Most pixels whose sub-pixel truth is computed."""
 
@@ -69,11 +74,13 @@ def nowhere(size: tuple[int, int]) -> Reach:
 
 def reach(
     scene: RadiometricScene, true: Image, single: bool, offset: tuple[float, float], placed: tuple[float, ...],
-    filtered: bool, threads: int,
+    halves: dict[str, float], filtered: bool, threads: int,
 ) -> Reach:  # fmt: skip
     """The reach of samples of 32 bits, where they are, and of secondary rays ``a + b max |p|`` off the place p.
 
     ``placed`` (scale, x, y, z): the renderer has places p at scale (p - (x, y, z)), and these are what it rounds.
+    ``halves`` are half sides, in those lengths, of squares that stand for planes: what is beyond them is not seen, and
+    places within are rounded as their sides are.
     Where pixels are means (``filtered``) an edge moves by a part of a pixel: that part of the difference of
     neighbours.
     """
@@ -91,11 +98,16 @@ def reach(
     rounded = SHAKE * (np.maximum(held, scale * np.abs(eye - np.array(placed[1:])).max()) / scale + away) * single
     off = SLANT * (offset[0] + offset[1] * held) / scale
     change, smooth, less, more = np.zeros((4, *still.shape[:2], 3))
+    beyond, loose = np.zeros(away.shape, dtype=bool), np.zeros_like(away)
+    for number, shape in enumerate(scene.shapes, start=FIRST_SHAPE):
+        if isinstance(shape, Plane) and shape.name in halves:
+            beyond |= _clipped(scene, shape, size, halves[shape.name] / scale, filtered)
+            loose[still[..., 3] == number] = _PLACES * halves[shape.name] / scale
     if filtered:
         step = 2.0 * math.tan(math.radians(scene.camera.fov) / 2.0) / size[1] * np.where(away > 0.0, away, np.inf)
         share = np.minimum((rounded + off) / step, 1.0)[..., None]
-        change = share * _steps(true.radiance)
-        return Reach(np.zeros_like(change), change, rounded + off, change, change)
+        smooth = share * _steps(true.radiance)
+        return Reach(np.where(beyond[..., None], _UNSEEN, 0.0) + change, smooth, rounded + off, smooth, smooth)
 
     def heard(look: Array, where: Mask) -> Array:
         nonlocal less, more
@@ -110,6 +122,8 @@ def reach(
             # what bounces changes with the shape, and more than its direct light may
             other = (look[..., 3] != still[..., 3])[..., None]
             change = np.where(other, np.maximum(change, true.layer("indirect")), change)
+    loose = loose * single
+    off = off + loose
     if off.any():
         for turn in (0.0, 0.5 * math.pi):
             looks = [
@@ -121,6 +135,9 @@ def reach(
             deltas = [heard(look, same) for look in looks]
             # of smooth light the second bend is four times the first: where secondary rays start does not move it
             change = np.maximum(change, np.abs(deltas[2] + deltas[3] - 4.0 * (deltas[0] + deltas[1])))
+            # a place that is rounded has the light of another place, which where it is smooth is allowed for
+            share = np.where(off > 0.0, loose / np.where(off > 0.0, 0.5 * off, 1.0), 0.0)[..., None]
+            smooth = smooth + share * np.minimum(np.abs(deltas[0]), np.abs(deltas[1]))
             # an edge moves over light that has a slope, of which a side tells that has none between its two rays
             most = np.max(np.abs(deltas), axis=0)
             for half in (0, 1):
@@ -130,8 +147,18 @@ def reach(
         if true.layer("indirect").any():
             step = 2.0 * math.tan(math.radians(scene.camera.fov) / 2.0) / size[1] * np.where(away > 0.0, away, np.inf)
             share = np.minimum(off / SLANT / step, 1.0)[..., None]
-            smooth = share * _steps(true.layer("indirect"))
+            smooth = smooth + share * _steps(true.layer("indirect"))
+    change[beyond] = _UNSEEN
     return Reach(change, smooth, rounded + off, less, more)
+
+
+def _clipped(scene: RadiometricScene, plane: Plane, size: tuple[int, int], half: float, filtered: bool) -> Mask:
+    """(h, w): pixels that show some of a plane beyond its square, whatever is before it; of their centres or whole."""
+    corners = plane_apart(scene, plane, size, not filtered)
+    if not filtered:
+        return np.asarray((corners > half) & np.isfinite(corners))
+    parts = np.stack([corners[:-1, :-1], corners[1:, :-1], corners[:-1, 1:], corners[1:, 1:]])
+    return np.asarray((parts > half).any(axis=0) & np.isfinite(parts).any(axis=0))
 
 
 def _steps(values: Array) -> Array:

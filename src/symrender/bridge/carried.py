@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
+from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, seen_out_to
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.mitsuba.flats import AGREE
@@ -106,13 +106,15 @@ def prepare(
             raise Unsupported(
                 f"shapes.{shape.name}: {to}: a checker is exported on planes, spheres and rectangles with right angles"
             )
-    reach = reach_of(scene) if reach is None else float(reach)
-    if not 2.0 <= reach <= 1e6:
+    reach = None if reach is None else float(reach)
+    if reach is not None and not 2.0 <= reach <= 1e6:
         raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")
     origin = middle(scene) if center == "middle" else center
     there = moved(scene, scale, origin)
-    halves = {shape.name: half_side(there, shape, reach) for shape in there.shapes if isinstance(shape, Plane)}
     pixels = image_size(size)
+    planes = [shape for shape in there.shapes if isinstance(shape, Plane)]
+    outs = [seen_out_to(there, plane, pixels, rays == "centre") for plane in planes]
+    halves = {plane.name: half_side(there, plane, reach, out) for plane, out in zip(planes, outs, strict=True)}
     receipt = _receipt(to, checked, scene, there, scale, origin, halves, pixels, rays)
     return Prepared(there, halves, pixels, receipt)
 
@@ -125,11 +127,16 @@ def _square(shape: Shape) -> bool:
     return abs(along) <= AGREE * math.hypot(*shape.edge_u) * math.hypot(*shape.edge_v)
 
 
-def _of_renders(to: str, scale: float, origin: Triple, lost: list[float | None]) -> dict[str, str]:
-    """What the metadata of renders tell an audit: where places are, where secondary rays start, what squares lose."""
+def _of_renders(
+    to: str, scale: float, origin: Triple, lost: list[float | None], halves: dict[str, float]
+) -> dict[str, str]:
+    """What the metadata of renders state for an audit: where places are, where secondary rays start, what squares
+    lose, and the half side of each."""
     told = {"placed": " ".join(map(repr, (scale, *origin)))}
     if to in RAY_OFFSETS:
         told["ray_offset"] = "{!r} {!r}".format(*RAY_OFFSETS[to])
+    if halves:
+        told["squares"] = " ".join(f"{name}={half!r}" for name, half in halves.items())
     bounded = [each for each in lost if each is not None]
     if len(bounded) == len(lost):
         told["radiance_lost"] = repr(float(sum(bounded)))
@@ -173,7 +180,9 @@ def _receipt(
         "rays": rays,
         "bounces": scene.bounces,
         "units": "radiance, W/(m2 sr), linear rgb channel by channel",
-        "of_renders": _of_renders(to, scale, origin, [plane["radiance_lost_within"] for plane in planes.values()]),
+        "of_renders": _of_renders(
+            to, scale, origin, [plane["radiance_lost_within"] for plane in planes.values()], halves
+        ),
         "planes": planes,
         "planes_say": "a square of half a side half_side about the plane's point stands for an endless plane: rays "
         "that meet it further out see nothing; places within `within` of the point, which holds eye, spheres and point "

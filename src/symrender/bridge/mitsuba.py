@@ -43,7 +43,7 @@ def mitsuba(
     Places p become ``scale`` (p - ``center``), ``middle`` being that of the spheres; radiance stays as it is
     (:func:`symrender.bridge.moved.moved`). ``rays``: through pixels at random, whose mean is a box filter, or through
     their centres, as truth has them. ``reach``: half a side of the square that stands for a plane, over the distance
-    to what is farthest of the scene (:func:`symrender.bridge.moved.reach_of`).
+    to what is farthest of the scene; None: as far as it is needed (:func:`symrender.bridge.moved.half_side`).
     Raises Unsupported naming what Mitsuba cannot state.
     """
     prepared = prepare(

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+import numpy as np
+
 from symrender.errors import OptionError, Unsupported
+from symrender.runtimes.glimpse import plane_apart
 from symrender.scene.load import load_any
+from symrender.scene.mitsuba.plane import frame_of
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -14,13 +18,18 @@ from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle
 
 Triple = tuple[float, float, float]
 
-NEAR_REACH: Final = 16.0
-"""Half a side of the square that stands for a plane, over the distance to what is farthest of the scene.
+FAR_REACH: Final = 100.0
+"""Half a side of the square that stands for a plane, over the distance to what is farthest of the scene, where bounced
+light or a sky reaches the scene from afar.
 
 Single precision knows a place in a square to 6e-8 of its side, so a larger square is a worse place.
 """
-FAR_REACH: Final = 100.0
-"""The same where bounced light or a sky reaches the scene from afar."""
+_ROOM: Final = 1.05
+"""A square over what it must hold."""
+_FARTHEST: Final = 1000.0
+"""Most half sides over the distance to what is farthest: places are then rounded as far as Mitsuba offsets its rays.
+
+A view to the horizon sees a plane further, so audits set aside what is beyond (``squares`` of the receipt)."""
 _SLANT: Final = 1e-4
 """Sine of the angle to a plane below which a directional light crosses it too far away."""
 
@@ -125,21 +134,20 @@ def extent(scene: RadiometricScene, about: Triple) -> float:
     return max(far)
 
 
-def reach_of(scene: RadiometricScene) -> float:
-    """How far squares go if nobody says."""
-    far = scene.bounces != 0 or any(isinstance(light, lights.Sky) for light in scene.lights)
-    return FAR_REACH if far else NEAR_REACH
-
-
-def half_side(scene: RadiometricScene, plane: Plane, reach: float) -> float:
+def half_side(scene: RadiometricScene, plane: Plane, reach: float | None, seen: float) -> float:
     """Half a side of the square about ``plane.point`` that stands for the plane; whole pairs of cells of a checker.
 
-    It is ``reach`` times the distance to what is farthest, or more where the sun casts a plane's shadow further.
+    It is ``reach`` times the distance to what is farthest, or where that is None as far as the plane is ``seen``, as
+    places and lights are apart, and as a sky and bounced light need; more where the sun casts the plane's shadow
+    further.
     """
     within = extent(scene, plane.point)
     reflectance = scene.materials[plane.material].reflectance
-    needed = reach * within
+    far = scene.bounces != 0 or any(isinstance(light, lights.Sky) for light in scene.lights)
+    needed = within * reach if reach else max(FAR_REACH * within if far else 0.0, _ROOM * max(within, seen))
+    needed = needed if reach else min(needed, _FARTHEST * within)
     size = math.hypot(*plane.normal)
+    side = sum(n * (e - p) for n, e, p in zip(plane.normal, scene.camera.eye, plane.point, strict=True))
     for light in scene.lights:
         if isinstance(light, lights.Directional):
             cross = sum(a * b for a, b in zip(plane.normal, light.direction, strict=True))
@@ -148,19 +156,29 @@ def half_side(scene: RadiometricScene, plane: Plane, reach: float) -> float:
                 raise Unsupported(
                     f"lights.{light.name}: almost parallel to shapes.{plane.name}, whose shadow falls beyond any square"
                 )
-            needed = max(needed, within * (1.0 + 2.0 / slant) if slant else 0.0)
+            # from the eye's own side its light crosses the plane nowhere before what is seen
+            if reach is not None or cross * side > 0.0:
+                needed = max(needed, within * (1.0 + 2.0 / slant) if slant else 0.0)
     if isinstance(reflectance, Checker):
         period = 2.0 * reflectance.cell
         return period * math.ceil(needed / period)
     return needed
 
 
+def seen_out_to(scene: RadiometricScene, plane: Plane, size: tuple[int, int], centre: bool) -> float:
+    """Largest coordinate about ``plane.point`` of the places where an image would see the plane alone."""
+    apart = plane_apart(scene, plane, size, centre)
+    return float(np.max(apart, where=np.isfinite(apart), initial=0.0))
+
+
 def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
     """Most radiance by which a place within ``extent`` of ``plane.point`` differs for a square in the plane's place.
 
-    What lies beyond the square fills at most the solid angle w = 2 pi d/(H - d) of what such a place sees; d is that
-    distance, H = ``half`` half a side. Through it enters or is missing the sky, and at one bounce the light the
-    plane sends back. None where that is not bounded: more bounces, or surfaces that are not diffuse.
+    What lies beyond the square is seen at most an angle a = d/(H - e) below the horizon; e is that distance, H =
+    ``half`` half a side, and d how far shapes rise above the plane, or e where there are other planes. An upright place
+    gets 2 a of its radiance from there, the most of all places, and the plane itself nothing. Through it enters or is
+    missing the sky, and at one bounce the light the plane sends back. None where that is not bounded: more bounces, or
+    surfaces that are not diffuse.
     """
     sky = max((max(x.radiance) for x in scene.lights if isinstance(x, lights.Sky)), default=0.0)
     if scene.bounces == 0 and sky == 0.0:
@@ -169,7 +187,7 @@ def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
     if scene.bounces == "all" or not all(isinstance(material, Diffuse) for material in used):
         return None
     within = extent(scene, plane.point)
-    share = 2.0 * math.pi * within / (half - within)
+    share = 2.0 * _rises(scene, plane) / (half - within)
     arrives = sum(max(x.irradiance) for x in scene.lights if isinstance(x, lights.Directional))
     arrives += (
         sum(max(x.intensity) for x in scene.lights if isinstance(x, lights.Point | lights.Spot)) / (half - within) ** 2
@@ -177,6 +195,19 @@ def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
     sent = _brightest(scene.materials[plane.material]) / math.pi * (arrives + math.pi * sky)
     seen = sky + (sent if scene.bounces == 1 else 0.0)
     return max(map(_brightest, used)) / math.pi * share * seen
+
+
+def _rises(scene: RadiometricScene, plane: Plane) -> float:
+    """How far shapes are from a plane; of other planes no more than what is farthest in the scene counts."""
+    up, rises = frame_of(plane)[2], 0.0
+    for shape in scene.shapes:
+        ball = ball_of(shape)
+        if ball is not None:
+            height = sum(n * (c - p) for n, c, p in zip(up, ball[0], plane.point, strict=True))
+            rises = max(rises, abs(height) + ball[1])
+        elif shape.name != plane.name:
+            return extent(scene, plane.point)
+    return rises
 
 
 def _brightest(material: Material) -> float:

@@ -18,10 +18,13 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import Seen, seen
+from symrender.radiometric.world import Seen, camera_window, seen
 from symrender.runtimes.bounce import hits
 from symrender.runtimes.radiometric import check, lamps_on_gloss
-from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.scene.mitsuba.plane import frame_of
+from symrender.scene.radiometric.arrays import RadiometricArrays, radiometric_arrays
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane
 
 Ints = npt.NDArray[np.intp]
 Rows = Callable[[int, int, Array], None]
@@ -124,6 +127,29 @@ def displaced_rays(
     for k, (column, row) in enumerate(zip(columns.tolist(), rows.tolist(), strict=True)):
         _kernel("fill_directions")(view.window, width, height, column, row, column + 1, row + 1, directions[k : k + 1])
     return view.eye + far[:, None] * _across(view, directions, turn), directions
+
+
+def plane_apart(scene: RadiometricScene, plane: Plane, size: tuple[int, int], centre: bool) -> Array:
+    """Largest coordinate about its point of the place where each ray would meet a plane alone, infinite if nowhere.
+
+    (h, w) of rays through the centres of pixels, or (h + 1, w + 1) through their corners.
+    """
+    width, height = size
+    arrays = radiometric_arrays(scene)
+    forward, right, up = camera_window(arrays.camera, width, height)
+    if centre:
+        columns, rows = np.arange(width) + 0.5, np.arange(height) + 0.5
+    else:
+        columns, rows = np.arange(width + 1.0), np.arange(height + 1.0)
+    x, y = 2.0 * columns / width - 1.0, 1.0 - 2.0 * rows / height
+    rays = forward + x[None, :, None] * right + y[:, None, None] * up
+    east, north, normal = (np.array(v) for v in frame_of(plane))
+    from_point = np.array(arrays.camera.eye) - np.array(plane.point)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        travel = -(from_point @ normal) / (rays @ normal)
+        places = from_point + travel[..., None] * rays
+        apart = np.maximum(np.abs(places @ east), np.abs(places @ north))
+    return np.where((travel > 0.0) & np.isfinite(apart), apart, np.inf)
 
 
 def _across(view: Seen, directions: Array, turn: float) -> Array:
