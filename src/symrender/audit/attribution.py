@@ -7,6 +7,8 @@ truths; a mutation is an image that a known mistake would make.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
+from time import perf_counter
 from typing import Any, Final
 
 import numpy as np
@@ -30,15 +32,20 @@ MOST: Final = 24
 """Most parameters tried where none are named."""
 SHOWN: Final = 6
 """Most explanations kept."""
+_MOST_OF_IT: Final = 0.8
+"""Share of the misfit below which nothing is called consistent: less is left by chance where little is off."""
 _STEP: Final = 1e-2
 _MATERIAL: Final = ("materials.", "lights.", "floor.lobe.", "floor.material.")
 
 
 def attribution(
     seen: Evidence, regions: Sequence[Region], scene: AnyScene | None, layers: dict[str, Array], wrt: Sequence[str],
-    tol: float,
+    tol: float, seconds: float,
 ) -> tuple[Explanation, ...]:  # fmt: skip
     """Explanations of the misfit, those that leave no region off first, then by how much they explain.
+
+    What needs further truths of the scene is tried for ``seconds``: none is begun that would end later if it took as
+    long as the longest before it. Parameters of ``wrt`` are tried all the same.
 
     ``layers`` are those of the truth, ``wrt`` the parameters tried (none: real numbers of materials and lights).
     Without a ``scene`` only the layers themselves are tried, by factors and as mistakes of an image.
@@ -57,13 +64,29 @@ def attribution(
     if len(parts) > 1:
         found += [fit.parameter(f"the factor of {p} light", 1.0, layers[p], "by least squares") for p in parts]
     size = (seen.truth.shape[1], seen.truth.shape[0])
-    if isinstance(scene, RadiometricScene):
-        found += [fit.mutation(name, image) for name, image in scene_mutations(scene, size, tol)]
-    if scene is not None:
+    if scene is not None and wrt:
         found += list(_parameters(fit, scene, list(wrt), size, tol, layers["radiance"]))
+    later: Iterator[Explanation] = iter(())
+    if isinstance(scene, RadiometricScene):
+        later = (fit.mutation(name, image) for name, image in scene_mutations(scene, size, tol))
+    if scene is not None and not wrt:
+        later = chain(later, _parameters(fit, scene, [], size, tol, layers["radiance"]))
+    found += list(_within(later, seconds))
     useful = [e for e in found if e.explains > 0.02]
     useful.sort(key=lambda e: (not e.consistent, -e.explains))
     return tuple(useful[:SHOWN])
+
+
+def _within(found: Iterator[Explanation], seconds: float) -> Iterator[Explanation]:
+    """What is found as long as another one, of the time of the longest, ends within so many seconds."""
+    begun, longest = perf_counter(), 0.0
+    while perf_counter() - begun + longest < seconds:
+        before = perf_counter()
+        one = next(found, None)
+        if one is None:
+            return
+        longest = max(longest, perf_counter() - before)
+        yield one
 
 
 class Fit:
@@ -81,7 +104,7 @@ class Fit:
         left = self.seen.difference + self.seen.truth - self.seen.measured.of(radiance)
         share = 1.0 - self.off(left) / self.before
         how = "an image that this mistake would make"
-        return Explanation(f"the renderer had: {name}", share, self.consistent(left), how=how)
+        return Explanation(f"the renderer had: {name}", share, self.consistent(left, share), how=how)
 
     def parameter(self, name: str, current: float, slope: Array, how: str) -> Explanation:
         """The change of one parameter that explains most of the weighted misfit; ``slope`` is the derivative."""
@@ -96,7 +119,7 @@ class Fit:
         error = float(np.sqrt(((weights * np.abs(g) * np.sqrt(v)).sum(axis=-1) ** 2).sum() * self.seen.spread)) / norm
         left = self.seen.difference - step * g
         share = 1.0 - self.off(left) / self.before
-        return Explanation(name, share, self.consistent(left), current, current + step, error, how)
+        return Explanation(name, share, self.consistent(left, share), current, current + step, error, how)
 
     def off(self, left: Array) -> float:
         """Sum over regions and channels of the squared z values of the mean of ``left``."""
@@ -107,8 +130,10 @@ class Fit:
             total += float((left[mask].sum(axis=0) ** 2 / np.maximum(sure, 1e-300)).sum())
         return total
 
-    def consistent(self, left: Array) -> bool:
-        """Whether no region is off where ``left`` is what remains."""
+    def consistent(self, left: Array, share: float) -> bool:
+        """Whether no region is off where ``left`` remains, and the ``share`` explained is most of the misfit."""
+        if share < _MOST_OF_IT:
+            return False
         edge = critical(0.01 / max(3 * len(self.regions), 1))
         for region in self.regions:
             mask = region.mask & self.seen.usable

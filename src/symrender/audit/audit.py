@@ -58,6 +58,7 @@ def audit(
     level: float = 0.01,
     wrt: Sequence[str] = (),
     explain: bool = True,
+    explain_seconds: float = 10.0,
     tol: float = 0.0,
     derivative: str = "",
     filter: Filter | None = None,
@@ -88,7 +89,9 @@ def audit(
     wrt : sequence of str
         Dotted names of parameters that explanations try first, also after a pass.
     explain : bool
-        Look for explanations of a failure.
+        Look for explanations where a region or the scale failed.
+    explain_seconds : float
+        Time for explanations that need further references; those of ``wrt`` are tried whatever they take.
     tol : float
         Tolerance of a rendered reference; 0 is a twentieth of the standard error of the image's mean.
     derivative : str
@@ -153,7 +156,7 @@ def audit(
         raise OptionError(f"derivative: must name one number, got {derivative[:60]!r}")
     auditor = Auditor(
         loaded, truth, tol, threads, tuple(wrt), explain, derivative, filter, _pair("allow", allow),
-        _pair("ray_offset", ray_offset),
+        _pair("ray_offset", ray_offset), explain_seconds,
     )  # fmt: skip
     if sequential:
         auditor.margin = _FAR_UNDER / 8.0
@@ -198,7 +201,9 @@ class Auditor:
         filter: Filter | None = None,
         allow: tuple[float, float] | None = None,
         ray_offset: tuple[float, float] | None = None,
+        seconds: float = 10.0,
     ) -> None:
+        self.seconds = seconds
         self.filter: Filter = filter or "centre"
         self._asked = filter
         self.allow, self.ray_offset = allow, ray_offset
@@ -233,12 +238,12 @@ class Auditor:
         failed = pixels.outcome == "failed" or any(test.outcome == "failed" for test in tests)
         verdict: Decision = "failed" if failed else "undecided" if undecided else "passed"
         why: tuple[Explanation, ...] = ()
-        if self.explain and (self.wrt or failed):
+        if self.explain and (self.wrt or any(test.outcome == "failed" for test in tests)):
             layers = dict(true.layers)
             loose = max(4.0 * self._tolerance(found), _EXPLAINED * float(np.abs(found.mean).mean()))
             # what explains is known of centre rays; of means over pixels factors of the image are tried alone
             scene = None if self.derivative or self.filter != "centre" or _exposed(self.scene) else self.scene
-            why = attribution(seen, self._regions, scene, layers, self.wrt, loose)
+            why = attribution(seen, self._regions, scene, layers, self.wrt, loose, self.seconds)
         return Verdict(
             verdict, level, self.scene.name, self.scene.hash, found.source, found.samples, (true.width, true.height),
             tuple(tests[:1]), tuple(tests[1:]), pixels, why, self._notes(seen, true, tests, pixels.kurtosis), look,

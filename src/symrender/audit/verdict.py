@@ -207,8 +207,10 @@ class Verdict:
         if self.pixels.outcome == "failed":
             words.append(f"{self.pixels.rejected} single pixels are off, most at {self.pixels.worst}")
         text = f"Failed: {'; '.join(words)}."
-        if self.attribution and self.attribution[0].explains > 0.1:
-            text += f" It is {self.attribution[0].text()}."
+        alike = [found for found in self.attribution if found.consistent]
+        if alike:
+            # what leaves no region off is not told apart by any of them
+            text += f" It is {'; or '.join(found.text() for found in alike)}."
         return text
 
     def text(self) -> str:

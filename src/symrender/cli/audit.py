@@ -33,6 +33,9 @@ def audit(
         list[str] | None, typer.Option(help="Parameter that may explain a failure; repeatable, else many are tried.")
     ] = None,
     explain: Annotated[bool, typer.Option(help="Seek what would explain a failure.")] = True,
+    explain_seconds: Annotated[
+        float, typer.Option("--explain-seconds", help="Time for explanations that need further references.")
+    ] = 10.0,
     derivative: Annotated[
         str, typer.Option(metavar="NAME", help="The renders are derivatives in this number of the scene.")
     ] = "",
@@ -83,7 +86,8 @@ def audit(
     with native_output_hidden():
         verdict = judge(
             renders, chosen, truth=truth, samples=samples, noise_free=noise_free, sequential=sequential,
-            visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, tol=tol, derivative=derivative,
+            visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, explain_seconds=explain_seconds,
+            tol=tol, derivative=derivative,
             filter=filter, allow=_pair("allow", allow), ray_offset=_pair("ray-offset", ray_offset), threads=threads,
         )  # fmt: skip
     if json is not None:
