@@ -48,18 +48,37 @@ def main() -> None:
     rows = [
         ("the two spheres on their floor are drawn", f"as printed, sphere B fills {wrong[1]} of {width**2} pixels; "
          f"repaired: A {right[0]}, B {right[1]}, floor {right[2]}"),
+        ("times grow with K squared", f"as printed {wrong[2]} pixels see the floor, so no lobe is sampled at any K"),
         ("the reflection is a soft smudge", f"its gloss is at most {at['claims.brightest']:.3g}, before the weight .3"),
-        ("the difference of the two renderers is the lobe's", f"RMS {at['claims.with_lobe']:.4g} with the lobe, "
-         f"{at['claims.without_lobe']:.4g} without: the disk light's jitter"),
+        ("the spheres reflect faintly", f"printed: not computed; RMS {at['claims.kiss']:.3g} over "
+         f"{at['claims.kissed']:.0f} sphere pixels at their weight .05"),
+        ("the difference of the two renderers is the lobe's", f"RMS {at['claims.least_apart']:.4f} to "
+         f"{at['claims.most_apart']:.4f} over {at['claims.seeds']:.0f} seeds, the disk light's jitter; without the lobe "
+         f"it changes by at most {at['claims.lobe_apart']:.0e}"),
+        ("n to 4096 snaps the difference to black", f"RMS in gloss {at['claims.slider_start']:.4f} at n = 256, "
+         f"{at['claims.slider_end']:.4f} at 4096, {at['claims.slider_narrow']:.4f} in a cone of half a degree"),
+        ("speckle thickens with the blur", f"n = 4096 to 1: jittered {at['claims.jittered_needle']:.4f} to "
+         f"{at['claims.jittered_wide']:.4f}, importance {at['claims.importance_needle']:.4f} to "
+         f"{at['claims.importance_wide']:.4f}"),
+        ("Cell 6 confirms the anchor", f"repaired, it compares zero with zero: brightest mirror image "
+         f"{at['claims.mirrored']:.3g} over {at['claims.mirrored_pixels']:.0f} floor pixels"),
+        ("gloss tends to the mirror", "only where light is continuous at the mirror ray; beside a sphere of radiance 1 "
+         f"that the ray touches {at['claims.edge']:.4f} at n = 1e4, {at['claims.edge_late']:.4f} at 1e8"),
         ("lobes are probed at floor points", f"r = {points}, inside sphere A; "
          f"the visible floor begins at {edge:.3f}"),
         ("upward directions see nothing", "the sign is reversed; unclipped, the buried half of A gives "
          f"{buried} of the gloss seen at 30, 20, 10 degrees"),
+        ("reflections are shaded like the rest", "toward the camera; toward the reflecting point, the RMS of the floor's "
+         f"gloss changes by {in_percent(at['claims.toward_camera'], 'signed')}"),
+        ("a highlight is a power of N.h", "it must end where N.l = 0; left on, it adds "
+         f"{in_percent(at['claims.beyond_terminator'], 'signed')} to that gloss"),
         ("exact weights beat centroid weights", f"RMS at K = 2, 4, 8: exact {exact}; centroid {centroid}"),
         ("the numeric estimator is unbiased", "for 1 - cos theta at K = 2, 4, 8 it is off by "
          f"{biases}"),
-        ("the lobe is 1/sqrt(2n) wide", f"n = 16: {at['claims.ruler']:.3f}; per axis {at['claims.sigma']:.3f}, "
+        ("the lobe is 1/sqrt(2n) wide", f"n = 16: {at['claims.ruler']:.3f}; per axis {at['claims.axis']:.3f}, "
          f"RMS angle {at['claims.rms']:.3f}"),
+        ("(n + 2)/(2 pi) is a divisor", "it multiplies: a white world along the normal, n = 16, returns "
+         f"{at['claims.multiplied']:.3f} multiplied, {at['claims.divided']:.3f} divided"),
         ("pictures agree after renormalising to BRDF units", "albedo of that lobe, n = 64, at 0, 30, 60, 80 degrees: "
          f"{', '.join(f'{a:.3f}' for a in albedo)}"),
         ("the lobe crosses the horizon", f"it reaches at most {reach:.1f} degrees from the normal"),

@@ -77,6 +77,12 @@ def test_every_section_and_cell_has_its_id(built: Built) -> None:
     assert not targets - set(found)
 
 
+def test_no_name_is_given_twice(built: Built) -> None:
+    found = re.findall(r'\bid="([\w-]+)"', built.page)
+    assert len(found) > 60
+    assert sorted(name for name in set(found) if found.count(name) > 1) == []
+
+
 def test_the_page_is_whole_and_light(built: Built) -> None:
     assert 300_000 < len(built.page.encode()) < MOST_BYTES
     loaded = re.findall(r'(?:src|href)="([^"#]{1,40})', built.page)
@@ -138,7 +144,7 @@ def test_the_page_prints_the_same_errata(built: Built) -> None:
     plain = lambda name, form: shown(built.measured.figures[name].value, form).replace(THIN, " ")  # noqa: E731
     buried = ", ".join(plain(f"claims.buried_{angle}", "percent") for angle in (30, 20, 10))
     assert f"{buried} of the gloss seen" in page
-    widths = [plain(f"claims.{name}", ".3f") for name in ("ruler", "sigma", "rms")]
+    widths = [plain(f"claims.{name}", ".3f") for name in ("ruler", "axis", "rms")]
     assert "n = 16: {}; per axis {}, RMS angle {} |".format(*widths) in page
     counted = [plain(f"claims.{name}", "count").replace(" ", "") for name in ("b_printed", "a_true", "b_true")]
     assert "sphere B fills {} of 4096 pixels; repaired: A {}, B {},".format(*counted) in page
@@ -334,6 +340,40 @@ def test_the_laboratory_is_folded_and_its_addresses_open_it(opened: tuple[Any, s
     page.evaluate("() => { document.documentElement.style.scrollBehavior = 'auto'; location.hash = '#cell7'; }")
     page.wait_for_function("() => document.querySelector('#cell7 details').open")
     reader.close()
+
+
+def test_no_heading_of_the_outline_is_empty(opened: tuple[Any, str]) -> None:
+    reader = Reader(opened, viewport={"width": 1366, "height": 768})
+    headings = reader.page.locator("h1, h2, h3, h4").evaluate_all("(all) => all.map((one) => one.innerText.trim())")
+    assert len(headings) > 45
+    assert "" not in headings
+    assert reader.page.locator(".lab-cell .step").count() > 25
+    reader.close()
+
+
+@pytest.mark.parametrize("width", [1366, 390])
+def test_an_address_of_a_cell_shows_its_heading(opened: tuple[Any, str], width: int) -> None:
+    """Also on a slow machine, where pictures and letters arrive after the page has scrolled."""
+    browser, address = opened
+    context = browser.new_context(viewport={"width": width, "height": 768})
+    page = context.new_page()
+    context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": 4})
+    for name in ("cell5", "cell13"):
+        page.goto("about:blank")
+        page.goto(f"{address}#{name}")
+        page.wait_for_function(f"() => document.querySelector('#{name} details').open")
+        bar = "() => document.getElementById('bar').getBoundingClientRect().bottom"
+        heading = f"() => document.querySelector('#{name} h3').getBoundingClientRect().top"
+        page.wait_for_timeout(300)
+        below = page.evaluate(heading) - page.evaluate(bar)
+        assert 0 < below < 100
+        # what comes in late above it moves nothing
+        page.evaluate(
+            "() => document.getElementById('s2').insertAdjacentHTML('beforeend', '<p style=height:900px></p>')"
+        )
+        page.wait_for_timeout(300)
+        assert abs(page.evaluate(heading) - page.evaluate(bar) - below) < 2
+    context.close()
 
 
 @pytest.mark.parametrize("first", ["s6", "errata"])

@@ -86,6 +86,7 @@ def test_presets_are_true_on_the_default_scene(fresh):
 
     # 3: midpoint weights shift the gloss everywhere the same way
     preset(page, 3)
+    assert page.run("() => simulator.app.state.pair") == "symbolic-reference"
     midpoint = gloss(page, "symbolic")
     page.change("s.weights = 'exact'")
     exact = gloss(page, "symbolic")

@@ -53,9 +53,15 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
         ),
         Preset(
             "The price of midpoint weights",
-            "Same nodes, but each cell weighs the lobe at its middle times its area, not its integral. "
-            "Switch weights between exact and midpoint: the gloss shifts everywhere at once, and no speckle tells you.",
-            {"scene": lobes(exponent=64.0), "weights": "midpoint", "view": "gloss", "normalised": True},
+            "Each cell weighs the lobe at its middle times its area, over the lobe's true integral. The difference is "
+            "symbolic less reference. Switch weights to exact: a shift of the whole gloss goes, the bands stay.",
+            {
+                "scene": lobes(exponent=64.0),
+                "weights": "midpoint",
+                "view": "gloss",
+                "normalised": True,
+                "pair": "symbolic-reference",
+            },
         ),
         Preset(
             "Watch it widen and fade",

@@ -44,6 +44,10 @@ for axis, picture, title in zip(
 # Every estimator at the same K, against the split rule, which is none of them: it cuts the lobe at the walls where the
 # integrand breaks and reports its own error (cell 9 looks inside). One row an estimator; the last row is a black image.
 # `mean error` is signed: a ratio estimator is biased, and a lobe that is narrow beside its strata shows it.
+#
+# Jittered samples over the known integral are unbiased, and may still be further from the truth than a black image.
+# This lobe fills a small part of its cone: most samples carry no weight, a few carry far too much, and nothing in the
+# denominator makes up for it. An unbiased estimator is right on average over many runs, not in any one of them.
 
 # %%
 size, k = 20, 8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import re
 from collections.abc import Callable, Sequence
 
 from symrender.chapter import lab
@@ -49,7 +50,9 @@ def _numbered(cell: Cell) -> str:
 
 
 def _prose(part: Part, *, first: bool) -> str:
-    return plain_markdown(part.text.partition("\n")[2] if first else part.text)
+    # a step of a folded cell is no heading of the page: closed, it would be an empty entry of its outline
+    steps = re.sub(r"<h2>(.*?)</h2>", r'<p class="step">\1</p>', plain_markdown(part.text))
+    return steps.partition("</h1>")[2] if first else steps
 
 
 def _code(part: Part) -> str:

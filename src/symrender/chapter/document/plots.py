@@ -108,6 +108,8 @@ def inline(text: str, alt: str) -> str:
 
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    # groups are named alike in every plot, and nothing refers to them
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
     text = re.sub(r"<svg ", f'<svg role="img" aria-label="{html.escape(alt, quote=True)}" class="plot" ', text, count=1)
     text = re.sub(r'(<svg [^>]*?) width="[^"]*pt"', r"\1", re.sub(r' height="[^"]*pt"', "", text, count=1), count=1)
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px; font-family: var(--plain)", text)

@@ -64,7 +64,8 @@ def to_html(source: Source) -> str:
     text = HOLE.sub(lambda found: _keep(kept, _hole(source, found)), text)
     text = CITATION.sub(lambda found: _keep(kept, _citation(source, found)), text)
     parts = [_paragraph(source, part) for part in re.split(r"\n{2,}(?=@(?:figure|block) )|(?<=\n)\n+", text.strip())]
-    return _restored("\n".join(_joined(parts)), kept)
+    # a table of the text scrolls where it is wider than a phone
+    return _restored("\n".join(_joined(parts)).replace("<table>", '<table tabindex="0">'), kept)
 
 
 def plain_markdown(text: str) -> str:

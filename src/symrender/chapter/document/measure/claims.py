@@ -10,8 +10,10 @@ import numpy as np
 
 from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of
+from symrender.images.image import Image
 from symrender.jit.records import copied
 from symrender.ledger.lobe_widths import lobe_widths
+from symrender.probe import probe
 from symrender.quadrature.strata import rings, rule
 from symrender.render import render
 from symrender.runtimes import numba
@@ -31,6 +33,11 @@ _GRAZING: Final = (0.9, -0.35)
 _HEIGHTS: Final = (30, 20, 10)
 _LOW: Final = 1.3
 """Distance from the axis of the floor points looked at from low."""
+_SEEDS: Final = (7, 99, 1, 2, 3, 4, 5, 6)
+_NEEDLE: Final = 4096.0
+_CONE: Final = math.radians(0.5)
+_FED: Final[dict[str, Any]] = {"partition": "equal_weight", "nodes": "barycentre"}
+_MIRRORED: Final = 128
 
 
 def measure(effort: Effort) -> Measured:
@@ -55,9 +62,18 @@ def measure(effort: Effort) -> Measured:
     widths = lobe_widths("floor", exponent, theta_max)
     figures |= figures_of(
         "claims", "exact moments of cos^n within the cone, n = 16", ruler=widths.chapter_ruler, sigma=widths.sigma,
-        rms=widths.rms_angle,
+        rms=widths.rms_angle, axis=_axis_width(exponent, theta_max),
     )  # fmt: skip
+    figures |= _slider(effort) | _speckle(effort) | _highlights(scene, effort) | _spheres(effort) | _anchor(scene)
+    figures |= _at_an_edge() | _units(exponent)
     return Measured(figures)
+
+
+def _axis_width(exponent: float, theta_max: float) -> float:
+    """RMS of one component of the direction across the mirror ray: sqrt of half the lobe's mean of sin^2 theta."""
+    u, c = exponent + 1.0, math.cos(theta_max)
+    mean_square_cosine = u / (u + 2.0) * (1.0 - c ** (u + 2.0)) / (1.0 - c**u)
+    return math.sqrt((1.0 - mean_square_cosine) / 2.0)
 
 
 def _classes(scene: Scene, half: float) -> dict[str, Figure]:
@@ -92,15 +108,125 @@ def _smudge(scene: Scene, effort: Effort) -> dict[str, Figure]:
     image = render(scene, size=2 * effort.errata, numeric="none", lobe=48, aa="none").symbolic
     assert image is not None
     brightest = float(image.layer("gloss").max())
-    apart = []
+    apart: dict[float, list[float]] = {}
     for weight in (0.3, 0.0):
         held = scene.replace({"floor.lobe.weight": weight})
-        sampled = render(held, size=effort.errata, symbolic="none", lobe=4, disk="exact", aa="none").numeric
-        strata = render(held, size=effort.errata, numeric="none", lobe=4, aa="none").symbolic
-        assert sampled is not None and strata is not None
-        apart.append(float(np.sqrt(np.mean((sampled.radiance - strata.radiance) ** 2))))
-    source = f"scene chapter8 without the spheres' lobes, {effort.errata} x {effort.errata}"
-    return figures_of("claims", source, brightest=brightest, with_lobe=apart[0], without_lobe=apart[1])
+        strata = _pictured(held, effort.errata, numeric="none", lobe=4)
+        apart[weight] = []
+        for seed in _SEEDS:
+            sampled = _pictured(held, effort.errata, symbolic="none", lobe=4, disk="exact", seed=seed)
+            apart[weight].append(_rms(sampled.radiance - strata.radiance))
+    changed = max(abs(a - b) for a, b in zip(apart[0.3], apart[0.0], strict=True))
+    source = f"scene chapter8 without the spheres' lobes, {effort.errata} x {effort.errata}, seeds {_SEEDS}"
+    return figures_of(
+        "claims", source, brightest=brightest, least_apart=min(apart[0.3]), most_apart=max(apart[0.3]),
+        lobe_apart=changed, seeds=len(_SEEDS),
+    )  # fmt: skip
+
+
+def _pictured(scene: Scene, size: int, **how: Any) -> Image:
+    """The one image that ``how`` asks for, without antialiasing."""
+    made = render(scene, size=size, aa="none", **how)
+    image = made.numeric or made.symbolic
+    assert image is not None
+    return image
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _slider(effort: Effort) -> dict[str, Figure]:
+    """RMS difference of the two estimators in `gloss` as the exponent rises alone, and with the cone narrowed too."""
+    values = {}
+    for name, exponent, theta_max in (
+        ("slider_start", 256.0, math.pi / 3), ("slider_end", _NEEDLE, math.pi / 3), ("slider_narrow", _NEEDLE, _CONE)
+    ):  # fmt: skip
+        scene = load("gloss").replace({"floor.lobe.exponent": exponent, "floor.lobe.theta_max": theta_max})
+        pair = [_pictured(scene, effort.errata, lobe=4, **{side: "none"}) for side in ("numeric", "symbolic")]
+        values[name] = _rms(pair[0].radiance - pair[1].radiance)
+    source = f"scene gloss, {effort.errata} x {effort.errata}, four by four directions, jittered against equal angles"
+    return figures_of("claims", source, needle=_NEEDLE, cone=_CONE, **values)
+
+
+def _speckle(effort: Effort) -> dict[str, Figure]:
+    """Spread of the floor's gloss over seeds, by the exponent of its lobe: RMS difference of two seeds / sqrt(2)."""
+    values = {}
+    for kind in ("jittered", "importance"):
+        for word, exponent in (("wide", 1.0), ("middle", 16.0), ("needle", _NEEDLE)):
+            scene = load("gloss").replace({"floor.lobe.exponent": exponent})
+            pair = [_pictured(scene, effort.errata, lobe=4, symbolic="none", numeric=kind, seed=s) for s in (7, 99)]
+            floor = pair[0].layer("hit_class") == at.FLOOR
+            values[f"{kind}_{word}"] = _rms((pair[0].layer("gloss") - pair[1].layer("gloss"))[floor]) / math.sqrt(2.0)
+    source = f"floor of gloss, {effort.errata} x {effort.errata}, four by four directions, seeds 7 and 99"
+    return figures_of("claims", source, **values)
+
+
+def _highlights(scene: Scene, effort: Effort) -> dict[str, Figure]:
+    """What two habits of the printed shading do to the floor's gloss: whose view a highlight uses, and its terminator.
+
+    The scene is shaded as printed; each is corrected in turn.
+    """
+    gloss = {}
+    for view in ("eye", "ray"):
+        for end in ("open", "cut"):
+            shaded = scene.replace({"shading.highlight_view": view, "shading.specular_terminator": end})
+            image = _pictured(shaded, effort.errata, numeric="none", lobe=32, **_FED)
+            gloss[view, end] = image.layer("gloss")[image.layer("hit_class") == at.FLOOR]
+    return figures_of(
+        "claims",
+        f"floor of chapter8, {effort.errata} x {effort.errata}, 32 by 32 strata of equal weight",
+        toward_camera=_rms(gloss["ray", "open"]) / _rms(gloss["eye", "open"]) - 1.0,
+        beyond_terminator=_rms(gloss["ray", "open"]) / _rms(gloss["ray", "cut"]) - 1.0,
+    )
+
+
+def _spheres(effort: Effort) -> dict[str, Figure]:
+    """The spheres' own reflection, which the text has at weight .05 and the printed program never computes."""
+    image = _pictured(load("chapter8"), effort.errata, numeric="none", lobe=8, **_FED)
+    sphere = image.layer("hit_class") > at.FLOOR
+    kiss = (image.radiance - image.layer("direct"))[sphere]
+    source = f"scene chapter8, {effort.errata} x {effort.errata}"
+    return figures_of("claims", source, kiss=_rms(kiss), kissed=int(sphere.sum()))
+
+
+def _anchor(scene: Scene) -> dict[str, Figure]:
+    """The brightest mirror image in the floor of the chapter's scene, which its regression compares with zero."""
+    image = _pictured(scene.replace({"floor.lobe.mirror": True}), _MIRRORED, numeric="none", lobe=1)
+    floor = image.layer("hit_class") == at.FLOOR
+    mirrored = float(image.layer("gloss")[floor].max())
+    source = f"scene chapter8, {_MIRRORED} x {_MIRRORED}, the printed regression's size"
+    return figures_of("claims", source, mirrored=mirrored, mirrored_pixels=int(floor.sum()))
+
+
+def _at_an_edge() -> dict[str, Figure]:
+    """Gloss of a sphere of radiance one whose silhouette the mirror ray touches: half of the jump, whatever n."""
+    # mirrored in the floor the eye stands below it; the sphere's centre lies off that line by its radius
+    place, eye, radius = np.zeros(3), np.array([0.0, -4.0, 2.0]), 0.5
+    mirror = (place - eye) * (1.0, 1.0, -1.0)
+    center = 2.0 * mirror / np.linalg.norm(mirror) + np.array([radius, 0.0, 0.0])
+    found = {}
+    for word, exponent in (("edge", 1e4), ("edge_late", 1e8)):
+        held = load(
+            {
+                "name": "edge",
+                "camera": {"type": "look_at", "eye": eye.tolist(), "target": place.tolist(), "fov": 20},
+                "spheres": [{"name": "A", "center": center.tolist(), "radius": radius}],
+                "floor": {"texture": {"type": "solid"}, "lobe": {"weight": 1, "exponent": exponent}},
+                "ambient": [1, 1, 1],
+                "shading": {"ka": 1, "kd": 0, "ks": 0},
+            }
+        )
+        found[word] = float(probe(held, [place[:2].tolist()], tol=1e-9).gloss[0, 0])
+    source = "a sphere of radiance one, its silhouette on the mirror ray, split rule at 1e-9"
+    return figures_of("claims", source, edge_n=1e4, edge_late_n=1e8, **found)
+
+
+def _units(exponent: float) -> dict[str, Figure]:
+    """What a white world returns along the normal when (n + 2) / (2 pi) multiplies the lobe, and when it divides it."""
+    factor = (exponent + 2.0) / (2.0 * math.pi)
+    bare = brdf_albedo(exponent, 0.0) / factor
+    return figures_of("claims", "albedo at normal incidence, n = 16", multiplied=factor * bare, divided=bare / factor)
 
 
 def _buried(arrays: SceneArrays) -> dict[str, Figure]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from symrender.chapter.document.effort import Effort
-from symrender.chapter.document.figures import Figure, Measured, figures_of, merged
+from symrender.chapter.document.figures import Figure, Measured, figures_of, merged, real
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import study_table
 from symrender.studies.budget import budget
@@ -81,6 +81,13 @@ def _weights(effort: Effort) -> Measured:
     source = f"study weights, {found.facts['size']}"
     crossed, smooth = (found.table(title) for title in ("walls cross", "no wall"))
     at = crossed.column("K").index(_COMPARED)
+    ratios = {
+        f"{case}_{rule}": [
+            real(a) / real(b) for a, b in zip(errors.column(name), errors.column("midpoint"), strict=True)
+        ]
+        for case, errors in (("crossed", crossed), ("smooth", smooth))
+        for rule, name in (("exact", "exact"), ("barycentre", "exact, barycentre"))
+    }
     figures = figures_of(
         "weight_choice",
         source,
@@ -91,7 +98,11 @@ def _weights(effort: Effort) -> Measured:
         smooth_midpoint=float(smooth.column("midpoint, normalised")[at]),
         smooth_barycentre=float(smooth.column("exact, barycentre")[at]),
         crossed_exact=float(crossed.column("exact")[at]),
+        crossed_barycentre=float(crossed.column("exact, barycentre")[at]),
         crossed_midpoint=float(crossed.column("midpoint")[at]),
+        smooth_own_sum=float(smooth.column("midpoint")[at]),
+        **{f"{name}_least": min(values) for name, values in ratios.items()},
+        **{f"{name}_most": max(values) for name, values in ratios.items()},
     )
     return Measured(
         figures,

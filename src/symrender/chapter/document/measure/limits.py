@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -9,6 +10,8 @@ from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of, real
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import study_table
+from symrender.scene.camera import LookAtCamera
+from symrender.scene.load import load
 from symrender.studies.anchor import anchor
 from symrender.studies.power_law import fit_power_law
 from symrender.studies.report import Cell
@@ -18,8 +21,8 @@ _MEASURES: Final = ("median", "90 %", "RMS")
 _SIDES: Final = ("numeric", "symbolic")
 _FAR: Final = (1e6, 1e9)
 """Exponents at which most pixels have left the walls behind."""
-_WALL: Final = (1e4, 1e7)
-"""Exponents at which the lobe is narrow and still wider than the pixels are apart."""
+_WALL: Final = (1e4, 1e6)
+"""Exponents at which the lobe is narrow and a fair sample of the pixels still lies within it of a wall."""
 
 
 def measure(effort: Effort) -> Measured:
@@ -28,7 +31,13 @@ def measure(effort: Effort) -> Measured:
     rows = found.tables[0]
     pixels = int(rows.column("pixels")[0])
     source = f"study anchor, gloss, {effort.anchor} x {effort.anchor}, {pixels} pixels whose mirror ray sees light"
-    figures: dict[str, Figure] = figures_of("anchor", source, pixels=pixels, side=effort.anchor, **{"from": _FAR[0]})
+    camera = load("gloss").camera
+    assert isinstance(camera, LookAtCamera)
+    figures: dict[str, Figure] = figures_of(
+        "anchor", source, pixels=pixels, side=effort.anchor, wall_from=_WALL[0], wall_to=_WALL[1],
+        pixel=math.radians(camera.fov) / effort.anchor, wide=_WALL[0] ** -0.5, narrow=_WALL[1] ** -0.5,
+        **{"from": _FAR[0]},
+    )  # fmt: skip
     curves = []
     for color, side in enumerate(_SIDES):
         mine = [dict(zip(rows.columns, row, strict=True)) for row in rows.rows if str(row[0]).startswith(side)]

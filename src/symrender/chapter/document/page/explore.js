@@ -89,13 +89,20 @@ for (const number of document.querySelectorAll("[data-drag]")) {
 }
 draggable(byId("geometry-point"), "x", (start, dx) => start + (dx * drawing.viewBox.baseVal.width) / drawing.getBoundingClientRect().width);
 
-// The laboratory is folded: what an address names inside it is opened before it is shown.
+// The laboratory is folded: what an address names inside it is opened before it is shown. The way there is not scrolled
+// smoothly: the simulator starts on it, and what else is laid out meanwhile would leave the heading out of view.
 function unfold() {
   const target = location.hash.length > 1 && byId(decodeURIComponent(location.hash.slice(1)));
   const folded = target && (target.matches(".lab-cell") ? target.querySelector("details") : target.closest("details"));
-  if (!folded || folded.open) return;
+  if (!folded) return;
   folded.open = true;
-  target.scrollIntoView();
+  const land = () => target.scrollIntoView({ behavior: "instant" });
+  land();
+  // pictures and letters that come in later move what stands below them, until the reader moves it himself
+  const settling = new ResizeObserver(land);
+  settling.observe(document.body);
+  for (const kind of ["wheel", "touchstart", "pointerdown", "keydown"]) addEventListener(kind, () => settling.disconnect(), { once: true, passive: true });
+  setTimeout(() => settling.disconnect(), 3000);
 }
 addEventListener("hashchange", unfold);
 unfold();
