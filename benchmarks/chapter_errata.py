@@ -45,16 +45,17 @@ def main() -> None:
     biases = ", ".join(in_percent(at[f"pitfalls.ratio_{k}"], "signed") for k in steps)
     points = f"{at['claims.sweep']:.3f} and {at['claims.grazing']:.3f}"
     reach = math.degrees(at["claims.reach"])
+    beyond, toward = (in_percent(at[f"claims.{name}"], "signed") for name in ("beyond_terminator", "toward_camera"))
     rows = [
         ("the two spheres on their floor are drawn", f"as printed, sphere B fills {wrong[1]} of {width**2} pixels; "
          f"repaired: A {right[0]}, B {right[1]}, floor {right[2]}"),
-        ("times grow with K squared", f"as printed {wrong[2]} pixels see the floor, so no lobe is sampled at any K"),
+        ("times grow with K squared", f"as printed {wrong[2]} pixels see the floor: no lobe is sampled"),
         ("the reflection is a soft smudge", f"its gloss is at most {at['claims.brightest']:.3g}, before the weight .3"),
         ("the spheres reflect faintly", f"printed: not computed; RMS {at['claims.kiss']:.3g} over "
          f"{at['claims.kissed']:.0f} sphere pixels at their weight .05"),
         ("the difference of the two renderers is the lobe's", f"RMS {at['claims.least_apart']:.4f} to "
-         f"{at['claims.most_apart']:.4f} over {at['claims.seeds']:.0f} seeds, the disk light's jitter; without the lobe "
-         f"it changes by at most {at['claims.lobe_apart']:.0e}"),
+         f"{at['claims.most_apart']:.4f} over {at['claims.seeds']:.0f} seeds, the disk light's jitter; without the "
+         f"lobe, that changes by at most {at['claims.lobe_apart']:.0e}"),
         ("n to 4096 snaps the difference to black", f"RMS in gloss {at['claims.slider_start']:.4f} at n = 256, "
          f"{at['claims.slider_end']:.4f} at 4096, {at['claims.slider_narrow']:.4f} in a cone of half a degree"),
         ("speckle thickens with the blur", f"n = 4096 to 1: jittered {at['claims.jittered_needle']:.4f} to "
@@ -68,10 +69,10 @@ def main() -> None:
          f"the visible floor begins at {edge:.3f}"),
         ("upward directions see nothing", "the sign is reversed; unclipped, the buried half of A gives "
          f"{buried} of the gloss seen at 30, 20, 10 degrees"),
-        ("reflections are shaded like the rest", "toward the camera; toward the reflecting point, the RMS of the floor's "
-         f"gloss changes by {in_percent(at['claims.toward_camera'], 'signed')}"),
+        ("reflections are shaded like the rest", "toward the camera; toward the reflecting point, the RMS of the "
+         f"floor's gloss changes by {toward}"),
         ("a highlight is a power of N.h", "it must end where N.l = 0; left on, it adds "
-         f"{in_percent(at['claims.beyond_terminator'], 'signed')} to that gloss"),
+         f"{beyond} to that gloss"),
         ("exact weights beat centroid weights", f"RMS at K = 2, 4, 8: exact {exact}; centroid {centroid}"),
         ("the numeric estimator is unbiased", "for 1 - cos theta at K = 2, 4, 8 it is off by "
          f"{biases}"),

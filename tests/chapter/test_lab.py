@@ -16,7 +16,9 @@ from symrender.cli import main
 from symrender.errors import CellError, OptionError
 
 NAMES = tuple(f"cell{k}" for k in range(1, 14))
-LIBRARIES = {"symrender", "numpy", "matplotlib.pyplot", "time"}
+LIBRARIES = {"symrender", "numpy", "sympy", "matplotlib.pyplot", "time"}
+RENDERERS = {"cell1": "render_numeric_gloss", "cell3": "render_symbolic_gloss"}
+MOST_LINES = 150
 FAILING = """\
 # %% [markdown]
 # # A cell
@@ -57,6 +59,56 @@ def test_a_cell_keeps_to_the_public_names(name: str) -> None:
     assert used and used <= set(symrender.__all__)
     hidden = {n.attr for n in nodes if isinstance(n, ast.Attribute) and n.attr.startswith("_")}
     assert not hidden
+
+
+@pytest.mark.parametrize("name", sorted(RENDERERS))
+def test_a_renderer_is_whole_small_and_its_own(name: str) -> None:
+    """It stands in one part that a student edits, and asks symrender for nothing but the numbers of a scene."""
+    source = next(part.text for part in lab.load(name).parts if part.kind == "code")
+    assert 90 < len(source.splitlines()) <= MOST_LINES
+    tree = ast.parse(source)
+    functions = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    assert {RENDERERS[name], "scene_at", "hit_sphere"} <= functions
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)]
+    assert {node.attr for node in nodes if node.value.id == "sr"} <= {"load"}  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "changed", "told"),
+    [
+        ("cell1", "m = D * [1, 1, -1]", "m = D * [1, 1, -1.000001]", "exact parts agree"),
+        ("cell1", '+ SC["krf"] * gloss, code', '* 1.0000001 + SC["krf"] * gloss, code', "exact parts agree"),
+        (
+            "cell3",
+            "mirror = D - 2 * D.dot(N) * N",
+            "mirror = D - 2.000001 * D.dot(N) * N",
+            "draws what symrender draws",
+        ),
+        ("cell3", "(lower + upper) / 2", "(lower + upper) / 2.000001", "draws what symrender draws"),
+        ("cell3", "C).dot(Q + t * D", "C).dot(Q + 2 * t * D", "the chord solves"),
+    ],
+)
+def test_a_changed_renderer_is_found_out(name: str, line: str, changed: str, told: str) -> None:
+    pytest.importorskip("matplotlib")
+    source = (lab._folder() / f"{name}.py").read_text(encoding="utf-8")
+    assert source.count(line) == 1
+    # what follows the checks takes longest and is another test's
+    source = (
+        source.replace("(2, 4, 8, 16):", "(2,):")
+        if name == "cell1"
+        else source.replace("size, k = 20, 8", "size, k = 6, 2")
+    )
+    with pytest.raises(CellError, match=told):
+        execute(lab.parsed(name, source.replace(line, changed)))
+
+
+def test_half_of_the_laboratory_is_symbolic() -> None:
+    """Cells that derive something by SymPy, and use what they derived in a check."""
+    using = [name for name in NAMES if any("import sympy as sp" in part.text for part in lab.load(name).parts)]
+    assert {"cell2", "cell3"} < set(using) and len(using) >= 6
+    for name in using:
+        code = "\n".join(part.text for part in lab.load(name).parts if part.kind == "code")
+        assert re.search(r"sp\.(integrate|Integral|diff|simplify)", code), name
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -12,6 +12,7 @@
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
+import sympy as sp
 
 import symrender as sr
 
@@ -117,6 +118,29 @@ for name in names:
         print(f"    quotients of {label:28}" + ", ".join(f"{e:.1e}" for e in errors[name, label]))
 
 # %% [markdown]
+# ## A boundary term by hand
+#
+# Put the ball's centre on the mirror ray: it fills the cone up to an angle alpha with sin(alpha) = r/d, and the whole
+# derivative by its radius sits on its silhouette. Leibniz's rule says what it is, and SymPy carries it out: the weight
+# on the silhouette times the speed at which that moves.
+
+# %%
+r, d, theta, nu, rim = sp.symbols("r d theta n theta_max", positive=True)
+alpha = sp.asin(r / d)
+weight = sp.cos(theta) ** nu * sp.sin(theta)
+share = sp.Integral(weight, (theta, 0, alpha)) / sp.Integral(weight, (theta, 0, rim))
+boundary = sp.diff(share, r)
+print("slope of the share by r:", boundary)
+distance = 1.2
+toward = unit(place - scene.camera.eye) * (1, 1, -1)
+onto = scene.replace({"spheres.A.center": tuple(place + distance * toward)})
+ball, cone = onto.spheres[0], onto.floor.lobe
+numbers = {d: distance, r: ball.radius, nu: cone.exponent, rim: cone.theta_max}
+by_hand = float(boundary.subs(numbers).evalf())
+middle = sr.probe(onto, [place], tol=1e-12, wrt=["spheres.A.radius"]).gradient["spheres.A.radius"][0, 0]
+print(f"by Leibniz {by_hand:.12f}, by the split rule {middle:.12f}")
+
+# %% [markdown]
 # ## As a picture
 #
 # `gradient` gives every pixel its derivative, here of the reflection by the ball's place: blue where it darkens as the
@@ -168,6 +192,7 @@ assert finest["split"] < 1e-5, f"the split rule has slopes, {finest}"
 assert min(errors[n, label][-1] for n in names[:3] for label in estimators if label != "split") > 0.05, (
     "stairs have none"
 )
+assert by_hand > 0.5 and abs(middle / by_hand - 1) < 1e-9, f"the boundary term, {middle} against {by_hand}"
 assert max(exact.values()) < 1e-7, f"the derivative contains the moving walls, {exact}"
 assert inside == 0 and abs(derivative / linear - 1) < 1e-8, f"by the expression {inside}; {derivative} and {linear}"
 print(

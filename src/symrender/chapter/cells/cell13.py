@@ -13,6 +13,7 @@ import time
 
 import matplotlib.pyplot as plt
 import numpy as np
+import sympy as sp
 
 import symrender as sr
 
@@ -85,6 +86,20 @@ print(f"a leaning floor under the sky is known to {off:.0e}, from {known[0]:.2f}
 # the amplitude goes to nothing, so must the bump.
 
 # %%
+# the same height and normal in SymPy, and one floor point in the light of the lamp
+x, y = sp.symbols("x y", real=True)
+away = sp.sqrt((x + sp.Rational("0.6")) ** 2 + (y + sp.Rational("0.4")) ** 2)
+height = sp.Rational("0.06") * sp.cos(14 * away) * sp.exp(-away / 2)
+leaned = sp.Matrix([-sp.diff(height, x), -sp.diff(height, y), 1])
+lamp = sp.Matrix([-3, sp.Rational("-0.5"), sp.Rational("0.9")])
+way = lamp - sp.Matrix([x, y, 0])
+brightness = sp.Rational("0.8") / sp.pi * 30 * leaned.dot(way) / (leaned.norm() * way.norm() ** 3)
+spot = {x: sp.Rational("-0.9"), y: sp.Rational("-0.7")}
+derived = float(brightness.subs(spot).evalf(30))
+ray = np.array([-0.9, -0.7, 0.0]) - base.camera.eye
+found = sr.probe(base, rays=(list(base.camera.eye), list(ray)), tol=1e-12).direct[0, 0]
+print(f"radiance of a point of the rippled floor: by SymPy {derived:.14f}, by symrender {found:.14f}")
+
 names = ["materials.sand.bump.amplitude", "materials.sand.bump.height.mul[0].cos.mul[0]"]
 few = 24
 slopes = sr.gradient(base, names, size=few)
@@ -136,6 +151,7 @@ assert cut > 20, f"the turned horizon shuts light out, in {cut} pixels"
 assert off < 1e-13 and known[-1] < 0.6, f"the lune is Lambert's, off by {off}"
 assert max(agreed.values()) < 1e-6, f"derivatives are differences, {agreed}"
 assert remains[0] > 50 * remains[2] > 0 and remains[3] < 1e-12, f"a bump of nothing is nothing, {remains}"
+assert derived > 0.1 and abs(found / derived - 1) < 1e-12, f"the exact gradient shades, {found} against {derived}"
 assert twice < 1e-11 and traced.max() > 0.1, f"two derivations agree, off by {twice}"
 assert chance[-1][1] < chance[0][1] and exact.layer("error").max() < 1e-9 < chance[-1][1], (
     f"samples are noise, {chance}"

@@ -2,15 +2,28 @@
 # # The normaliser in closed form, stratum weights, units
 #
 # Three quantities of the lobe have closed forms: its integral W (the normaliser), the integral of its weight over one
-# stratum (one cell of the cone), and its widths. This cell checks each against a quadrature that knows none of them,
+# stratum (one cell of the cone), and its widths. SymPy derives them here; each is checked against a quadrature,
 # then asks what the closed forms buy: where the integrand is smooth a great deal, where a silhouette crosses the lobe
 # nothing. Last it compares the two conventions in which a reflection may be written down.
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
+import sympy as sp
 
 import symrender as sr
+
+theta, a_, b_, rim, n_, c_ = sp.symbols("theta a b theta_max n c", positive=True)
+# with c = cos(theta), dc = -sin(theta) dtheta, the weight of a ring per radian of azimuth
+ring = sp.integrate(c_**n_, (c_, sp.cos(b_), sp.cos(a_)))
+normaliser = 2 * sp.pi * ring.subs({a_: 0, b_: rim})
+moment = sp.integrate(c_ ** (n_ + 1), (c_, sp.cos(b_), sp.cos(a_)))
+print("weight of a ring, over dphi:", sp.simplify(ring))
+print("normaliser:", sp.simplify(normaliser))
+print("mean cosine of a ring:", sp.simplify(moment / ring))
+slope = sp.simplify(sp.diff(ring, b_) - sp.cos(b_) ** n_ * sp.sin(b_))
+print("derivative by the outer angle, less the weight there:", slope)
+by_sympy = sp.lambdify((n_, rim), normaliser, "numpy")
 
 held = sr.expression("gloss", surface="floor")
 print("weight     ", held.weight)
@@ -38,7 +51,7 @@ for exponent in (0, 1, 2.5, 16, 64, n, 1024):
     closed = -2 * np.pi * np.expm1(u * np.log1p(-2 * np.sin(theta_max / 2) ** 2)) / u
     angle, weight = gauss(0, theta_max)
     quadrature = 2 * np.pi * (weight * power_of_cosine(angle, exponent) * np.sin(angle)).sum()
-    worst = max(worst, abs(closed / quadrature - 1))
+    worst = max(worst, abs(closed / quadrature - 1), abs(by_sympy(exponent, theta_max) / quadrature - 1))
     print(f"n = {exponent:6g}: W = {closed:.15g}, quadrature {quadrature:.15g}")
 
 # %% [markdown]
@@ -165,6 +178,7 @@ for degrees, share in shares.items():
     print(f"  mirror direction {degrees:2} degrees from the normal: {share:.4f}   (the average over the lobe: 1)")
 
 # %%
+assert slope == 0, f"the weight is an antiderivative, left {slope}"
 assert worst < 1e-12, f"the normaliser agrees with quadrature, off by {worst:.2g}"
 assert lost > 0 and wrong[1] < 1e-10 < wrong[0], f"{lost} lost, errors {wrong}"
 assert gain["smooth"]["exact weights, barycentres"] > 3, f"barycentres pay where f is smooth, {gain}"

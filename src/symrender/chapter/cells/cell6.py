@@ -6,6 +6,8 @@
 # as 1/n, the variance of the lobe. Where a silhouette passes close by, nothing is smooth and the rate is lost until the
 # lobe has become narrower than that distance.
 #
+# SymPy derives both rates first, from the lobe alone. Then they are looked for in pictures.
+#
 # A regression over an empty set of pixels always passes. So the population comes first here: floor pixels whose mirror
 # ray sees something lit. The source chapter's own regression selects floor pixels too, and as printed there are none
 # (cell 1 shows why); and it sets K = 1 with a cone of a millionth of a radian, so that the one ray it casts *is* the
@@ -14,8 +16,23 @@
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
+import sympy as sp
 
 import symrender as sr
+
+n, c, x = sp.symbols("n c x", positive=True)
+# smooth light: half of the lobe's variance per axis times the Laplacian; a whole hemisphere, c = cos(theta)
+mass = sp.integrate(c**n, (c, 0, 1))
+variance = sp.simplify(sp.integrate(c**n * (1 - c**2) / 2, (c, 0, 1)) / mass)
+rate = sp.limit(n * variance, n, sp.oo)
+print("variance per axis:", variance, "  times n, in the limit:", rate)
+# a wall at the distance x: the share of a narrow lobe beyond it, and how mean and RMS over all distances fall
+beyond = sp.erfc(x * sp.sqrt(n / 2)) / 2
+mean = sp.simplify(sp.integrate(beyond, (x, 0, sp.oo)))
+square = sp.simplify(sp.integrate(beyond**2, (x, 0, sp.oo)))
+powers = [sp.simplify(n * sp.diff(sp.log(value), n)) for value in (mean, sp.sqrt(square))]
+print("mean gap beside walls:", mean, "  RMS gap squared:", square)
+print("powers of n: mean", powers[0], " RMS", powers[1])
 
 scene = sr.load("gloss").replace({f"spheres.{name}.lobe.weight": 0 for name in "ABC"})
 size = 48
@@ -29,6 +46,7 @@ print(f"there the two pipelines' mirrors differ by at most {apart:.1e}")
 
 # %%
 exponents = 10.0 ** np.arange(3, 10)
+wall = exponents <= 1e6
 sides = {
     "numeric: sobol": {"symbolic": "none", "numeric": "sobol", "lobe": 32},
     "symbolic: strata": {"numeric": "none", "partition": "equal_weight", "nodes": "barycentre", "lobe": 16},
@@ -73,6 +91,11 @@ legend = axis.legend(fontsize=8)
 # samples leave the line where their own noise, which falls only as 1/sqrt(n), shows through: theirs is read before that
 last = {"symbolic: strata": slopes["symbolic: strata"][-1], "numeric: sobol": slopes["numeric: sobol"][-3]}
 medians = {name: [np.median(row) for row in rows] for name, rows in distance.items()}
+strata = distance["symbolic: strata"]
+rms = np.array([np.sqrt((row**2).mean()) for row in strata])[wall]
+fall = np.polyfit(np.log(exponents[wall]), np.log(rms), 1)[0]
+assert rate == 1 and powers == [-sp.Rational(1, 2), -sp.Rational(1, 4)], f"the rates, {rate}, {powers}"
+assert abs(fall - float(powers[1])) < 0.06, f"the RMS falls as the walls say, slope {fall}"
 assert lit.sum() >= 300, f"the anchor has a population, {lit.sum()} pixels"
 assert apart < 1e-12, f"both pipelines draw the same mirror, {apart}"
 assert all(rows[0] > 1000 * rows[-1] for rows in medians.values()), f"the lobe closes on the mirror, {medians}"
@@ -81,5 +104,6 @@ assert abs(last["numeric: sobol"] + 1) < 0.15, f"the samples follow until their 
 print(
     f"Expect: over {lit.sum()} pixels the lobe closes on the mirror, at n = {exponents[-1]:.0e} to a median of "
     f"{medians['symbolic: strata'][-1]:.0e}; the slope in log n is {last['symbolic: strata']:.3f} by strata and "
-    f"{last['numeric: sobol']:.3f} by samples (before their noise shows), where the theorem says -1."
+    f"{last['numeric: sobol']:.3f} by samples (before their noise shows), where the theorem says -1; the RMS, held up "
+    f"by walls, falls with {fall:.2f}, where SymPy says {powers[1]}."
 )
