@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import html
+import importlib.util
 import json
 import math
 import re
@@ -100,6 +102,36 @@ def test_every_hole_is_a_figure_of_this_build(built: Built) -> None:
         name: figure.value for name, figure in built.measured.figures.items()
     }
     assert all(figure.source for figure in built.measured.figures.values())
+
+
+def second_opinion() -> Any:
+    """The program of docs/ that recomputes figures."""
+    path = Path(__file__).resolve().parents[2] / "docs" / "second_opinion.py"
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    imported = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+    imported |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert imported and not [name for name in imported if name.startswith("symrender")]
+    spec = importlib.util.spec_from_file_location("second_opinion", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_figures_are_recomputed_without_the_package(built: Built) -> None:
+    """Figures that code of its own finds again; what remains are settings, times, and errors measured against it."""
+    opinion = second_opinion()
+    held = {name: [figure.value, figure.source] for name, figure in built.measured.figures.items()}
+    names, differ = opinion.compared(held)
+    assert differ == []
+    shown_names = {h[1] for name in ("opening", *SECTIONS) for h in HOLE.finditer(prose_text(name))}
+    assert len(shown_names & set(names)) > 100
+    # and a figure that is off by little more than its room is named
+    opinion.SUBJECTS = (opinion.arithmetic, opinion.classes, opinion.one_ray, opinion.anchor)
+    for name, factor in (("claims.axis", 1 + 1e-8), ("claims.a_true", 1871 / 1872), ("claims.kiss", 1.00001),
+                         ("digits.green", 1 + 1e-12), ("anchor.symbolic.wall_slope", 1.05)):  # fmt: skip
+        wrong = held | {name: [float(held[name][0]) * factor, held[name][1]]}
+        assert [line.split(":")[0] for line in opinion.compared(wrong)[1]] == [name]
 
 
 def test_what_is_measured_is_shown(built: Built) -> None:
@@ -234,6 +266,15 @@ def test_it_opens_at_once_and_works(opened: tuple[Any, str]) -> None:
     saved = json.loads(Path(download.value.path()).read_text(encoding="utf-8"))
     assert download.value.suggested_filename == "cell2.ipynb"
     assert saved["nbformat"] == 4
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.locator('[data-copy="cell2"]').click()
+    page.locator('[data-copy="cell2"]', has_text="Copied").wait_for()
+    copied = page.evaluate("() => navigator.clipboard.readText()")
+    assert (
+        copied.startswith("# of a wheel: pip install 'symrender-")
+        and "# in a clone: pip install '.[notebook]'" in copied
+    )
+    ast.parse(copied)
     line = page.locator(".compare input")
     line.focus()
     page.keyboard.press("Home")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -165,6 +167,27 @@ def test_a_notebook_is_valid_and_always_the_same(name: str) -> None:
     assert len({c.id for c in read.cells}) == len(read.cells) == len(cell.parts) + 1
     assert "pip install '.[notebook]'" in read.cells[1].source and "numpy" not in read.cells[1].source
     assert read.metadata.colab == {"provenance": []}
+
+
+def test_a_notebook_installs_the_wheel_that_is_uploaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In Colab the first code asks for the file; elsewhere it says what to type; with symrender there it does nothing."""
+    code = lab.notebook(lab.load("cell1")).cells[1].source
+    exec(compile(code, "installed", "exec"), {})  # noqa: S102
+    monkeypatch.setitem(sys.modules, "symrender", None)
+    with pytest.raises(ImportError, match="see the first lines of this cell"):
+        exec(compile(code, "elsewhere", "exec"), {})  # noqa: S102
+    colab, google = types.ModuleType("google.colab"), types.ModuleType("google")
+    colab.files = types.SimpleNamespace(upload=lambda: {"symrender-1.2-py3-none-any.whl": b""})  # type: ignore[attr-defined]
+    google.colab = colab  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "google", google)
+    monkeypatch.setitem(sys.modules, "google.colab", colab)
+    ran: list[list[str]] = []
+    monkeypatch.setattr("subprocess.check_call", ran.append)
+    exec(compile(code, "colab", "exec"), {})  # noqa: S102
+    assert ran == [[sys.executable, "-m", "pip", "install", "-q", "symrender-1.2-py3-none-any.whl[notebook]"]]
+    colab.files.upload = lambda: {"notes.txt": b""}
+    with pytest.raises(ImportError, match=r"expected one file that ends in \.whl, got 0"):
+        exec(compile(code, "colab", "exec"), {})  # noqa: S102
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,12 +16,29 @@ from typing import Any, Final, Literal
 from symrender.errors import OptionError, remedy
 
 _OPENING: Final = re.compile(r"^# %%( \[markdown\])?[ \t]*$")
-_INSTALL: Final = """\
+INSTALL_LINES: Final = (
+    "of a wheel: pip install 'FILE.whl[notebook]'",
+    "in a clone: pip install '.[notebook]'",
+)
+"""How symrender comes to be where a cell runs."""
+_INSTALL: Final = f"""\
+# {INSTALL_LINES[0]}
+# {INSTALL_LINES[1]}
+# in Colab this cell asks for the wheel file and installs it
 try:
     import symrender  # noqa: F401
 except ImportError as missing:
-    words = "in a clone: pip install '.[notebook]'; of a wheel: pip install 'FILE.whl[notebook]'"
-    raise ImportError(f"symrender is not installed; {words}") from missing
+    import subprocess
+    import sys
+
+    try:
+        from google.colab import files
+    except ImportError:
+        raise ImportError("symrender is not installed: see the first lines of this cell") from missing
+    wheels = [name for name in files.upload() if name.endswith(".whl")]
+    if len(wheels) != 1:
+        raise ImportError(f"expected one file that ends in .whl, got {{len(wheels)}}") from missing
+    subprocess.check_call([sys.executable, "-m", "pip", "install", "-q", f"{{wheels[0]}}[notebook]"])
 """
 
 

@@ -107,5 +107,6 @@ def _build_facts(effort: Effort) -> Measured:
     python = f"Python {platform.python_version()}"
     words = ", ".join([python, *(f"{m.__name__} {m.__version__}" for m in (numpy, numba, sympy))])
     values = {"libraries": words, "machine": platform.machine(), "effort": "full" if effort is FULL else "reduced"}
+    source = figures_of("source", "the byline of the source chapter", assistant="Kimi K3")
     today = date.today().strftime("%-d %B %Y")
-    return Measured(figures_of("build", "read when the page was built", date=today, version=VERSION, **values))
+    return Measured(source | figures_of("build", "read when the page was built", date=today, version=VERSION, **values))

@@ -9,10 +9,13 @@ from collections.abc import Callable, Sequence
 
 from symrender.chapter import lab
 from symrender.chapter.document.prose import plain_markdown
-from symrender.chapter.lab import Cell, Output, Part
+from symrender.chapter.lab import INSTALL_LINES, Cell, Output, Part
 from symrender.chapter.run_cell import execute
 from symrender.chapter.write_lab import text
 from symrender.simulator.build import escaped
+
+_FIRST = "\n".join(f"# {line}" for line in INSTALL_LINES) + "\n\n"
+"""What copied code begins with."""
 
 
 def laboratory(executed: Sequence[str] | None, told: Callable[[str], None]) -> str:
@@ -37,7 +40,7 @@ def cell_html(cell: Cell, outputs: Sequence[Output] | None) -> str:
         body.append('<p class="note">Not run in this build.</p>')
     return (
         f'<article class="lab-cell" id="{cell.name}"><header><h3>{_numbered(cell)}</h3><div class="actions">'
-        f'<button type="button" data-copy="{cell.name}">Copy code</button>'
+        f'<button type="button" data-copy="{cell.name}" data-first="{html.escape(_FIRST, quote=True)}">Copy code</button>'
         f'<button type="button" data-notebook="{cell.name}">Download notebook</button></div></header>'
         f"{body[0]}<details><summary>The code, what it printed and drew, and what it checks</summary>"
         f"{''.join(body[1:])}</details>"

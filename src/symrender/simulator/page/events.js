@@ -115,6 +115,7 @@ const KEYS = [
   ["d", "disc radius by lobe weight or by angle", () => app.change((s) => (s.disc = s.disc === "weight" ? "angle" : "weight"))],
   ["r", "reset all", () => app.change((s) => Object.assign(s, defaults()))],
   ["t", "light or dark", toggleTheme],
+  ["o", "one picture, large; again: the next, then all", () => app.nextPicture()],
   ["f", "screenshot", screenshot],
   ["l", "copy a link to this state", copyLink],
   ["x", "which two panels the difference is of", () => app.change((s) => (s.pair = nextOf(Object.keys(PAIR_WORDS), s.pair)))],

@@ -46,8 +46,10 @@ function tellPanels(app, frame) {
   note("difference-note", PAIR_WORDS[pair]);
   by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
   const made = frame.converger, told = made?.told;
-  by("panel-reference").classList.toggle("stale", !made?.passes);
-  note("reference-note", !made?.passes ? "begins at rest" : !told ? "first directions" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
+  // an estimate that is worse than the two it is to judge is not shown as a reference
+  const better = told && (made.done || told.rms < Math.min(errors.numeric ?? 0, errors.symbolic ?? 0));
+  by("panel-reference").classList.toggle("waiting", !better);
+  note("reference-note", !made?.passes ? "begins at rest" : !better ? "hidden until it is better than both" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
   note("reference-line", told ? `±${short(told.rms)} RMS, ${told.directions} directions` : "");
   by("reference-line").title = `${told ? `${percent(Math.floor(1000 * told.within) / 1000)} of pixels err by less than half an 8-bit step. ` : ""}± is the standard error of four independent streams, over ${frame.mean ? "all pixels" : "pixels with a lobe"}`;
 }

@@ -1,6 +1,7 @@
 // The page: state, frames, probe, keyboard.
 
 const VIEWS = [["full", "Full"], ["gloss", "Gloss alone"], ["direct", "Direct light"], ["class", "Surface class"], ["chambers", "Chamber count"]];
+const PICTURES = [["all", "All"], ["numeric", "Numeric"], ["symbolic", "Symbolic"], ["difference", "Difference"], ["reference", "Reference"]];
 const DISC_SIZE = 320, DISC_MOVING = 64, DISC_STEPS_MOVING = 60, REST = 140, WORDS_REST = 200, SLICE = 10, LEAST_PREVIEW = 24, PREVIEW_TIME = 9;
 // Bands of a pass take about so many milliseconds: between two of them a frame can be given up.
 const BAND_TIME = 40, FIRST_BAND = 32;
@@ -25,6 +26,8 @@ const app = {
   canvases: { numeric: by("panel-numeric"), symbolic: by("panel-symbolic"), difference: by("panel-difference"), reference: by("panel-reference") },
   sampling: false,
   paused: false,
+  // the picture that is shown alone
+  one: "all",
 
   // Apply ``edit`` to the state; ``live`` while a control is being dragged.
   change(edit, live = false) {
@@ -209,6 +212,7 @@ const app = {
   // Compiles what a pass needs, which may take longer than to draw it.
   async warmUp(pass, size) {
     if (this.warm.has(pass)) return;
+    if (!this.frame) tellStart(`compiling shaders: ${pass.replace("pixel_", "")}`);
     await this.gpu.prepare(pass);
     this.traceTo(rowsAtOnce(size));
     await this.gpu.draw(pass, size, 0, 1);
@@ -379,12 +383,12 @@ function tellLedger(app, frame) {
     tellPanels(app, frame);
   }
   const rows = [
-    ["RMS |ΔI|", short(ledger.rms), `numeric − symbolic over ${ledger.pixels} ${frame.mean ? "pixels, outlines with them" : "interior pixels"}, linear radiance`],
-    ["max |ΔI|", short(ledger.most), "largest difference of a channel, interior"],
-    ["black image", short(ledger.signal), "RMS |ΔI| an all-black picture would score against the symbolic image, from the same pixels"],
-    ["relative", ledger.signal ? short(ledger.relative) : "–", "RMS |ΔI| over that of the black image; a picture that scores 1 or more is no better than none"],
-    ["flips", `${flips.flips} of ${flips.edge}`, "pixels on outlines that show another surface than float64 finds there; none, since rays start in float64"],
-    ["float32", `${short(own.most)}`, `largest error of the panels against float64, ${own.count} pixels sampled; ${own.flips} estimates lie on a wall, where a rounded ray sees the other side: counted, not measured`],
+    ["RMS |ΔI|", `${short(ledger.rms)} radiance`, `numeric − symbolic over ${ledger.pixels} ${frame.mean ? "pixels, outlines with them" : "interior pixels"}, linear radiance`],
+    ["max |ΔI|", `${short(ledger.most)} radiance`, "largest difference of a channel, interior"],
+    ["black image", `${short(ledger.signal)} radiance`, "RMS |ΔI| an all-black picture would score against the symbolic image, from the same pixels"],
+    ["relative", ledger.signal ? percent(ledger.relative) : "–", "RMS |ΔI| over that of the black image; a picture that scores 100 % or more is no better than none"],
+    ["flips", `${flips.flips} of ${flips.edge} pixels`, "pixels on outlines that show another surface than float64 finds there; none, since rays start in float64"],
+    ["float32", `${short(own.most)} radiance`, `largest error of the panels against float64, ${own.count} pixels sampled; ${own.flips} estimates lie on a wall, where a rounded ray sees the other side: counted, not measured`],
   ];
   if (frame.mean) rows.push(["places × directions", `${frame.mean.count} × ${frame.state.lobe ** 2}`, `${meanWords(frame.state)}; at each a ray, direct light and ${frame.state.lobe ** 2} directions of a lobe: what either panel spends on a pixel`]);
   if (lobe) {
@@ -395,7 +399,8 @@ function tellLedger(app, frame) {
     rows.push(["per axis", n ? angle(1 / Math.sqrt(n)) : "∞", "1/√n, the spread along one axis of a narrow lobe"]);
     rows.push(["RMS angle", angle(rms), `of this very lobe (${lobe.name}, n = ${short(n)})`]);
   }
-  by("ledger").replaceChildren(...rows.map(([term, value, note]) => element("div", { title: note }, element("dt", { text: term }), element("dd", { text: value }), element("dd", { class: "unseen", text: note }))));
+  by("ledger").replaceChildren(...rows.map(([term, value, note]) => element("div", {}, element("dt", { text: term }), element("dd", { text: value }), element("dd", { class: "hint", text: note }))));
+  by("readouts-line").textContent = `Figures: RMS difference ${short(ledger.rms)} radiance${ledger.signal ? `, ${percent(ledger.relative)} of what a black image would score` : ""}`;
 }
 
 function probedLobe(frame) {
@@ -488,6 +493,34 @@ function radioGroup(id, options, get, set) {
   return () => inputs.forEach((input) => (input.checked = input.value === get()));
 }
 
+// What the panels show before they are drawn: the picture for readers without programs, and what is waited for.
+function bake() {
+  const found = /src="(data:image[^"]+)"/.exec(document.querySelector("noscript").textContent);
+  if (!found) return;
+  const image = new Image();
+  image.addEventListener("load", () => {
+    if (app.frame) return;
+    for (const name of ["numeric", "symbolic"]) {
+      const canvas = app.canvases[name];
+      canvas.width = canvas.height = image.width;
+      penOf(canvas).drawImage(image, 0, 0);
+      by(`${name}-note`).textContent = "drawn beforehand";
+    }
+    app.baked = performance.now();
+  });
+  image.src = found[1];
+}
+
+const tellStart = (words) => ["numeric-line", "symbolic-line"].forEach((id) => (by(id).textContent = words));
+
+// One picture, large, or all four.
+function showOne(name) {
+  app.one = name;
+  document.querySelector(".panels").classList.toggle("one", name !== "all");
+  for (const [key, canvas] of Object.entries(app.canvases)) canvas.parentElement.classList.toggle("shown", key === name);
+  if (app.frame) drawCursor();
+}
+
 async function begin() {
   document.documentElement.classList.remove("bare");
   by("name").textContent = data.name;
@@ -503,6 +536,9 @@ async function begin() {
   app.space = new Space(by("space"));
   discEvents(app);
   tellDirection(null, true);
+  const showPictures = radioGroup("pictures", PICTURES, () => app.one, showOne);
+  app.nextPicture = () => (showOne(nextOf(PICTURES.map(([name]) => name), app.one)), showPictures());
+  if (!linked) bake();
   const showViews = radioGroup("views", VIEWS, () => app.state.view, (v) => app.change((s) => (s.view = v)));
   const showDisc = radioGroup("disc-scale", [["weight", "radius by weight"], ["angle", "by angle"]], () => app.state.disc, (v) => app.change((s) => (s.disc = v)));
   const showForm = makeControls(app);
@@ -511,7 +547,7 @@ async function begin() {
     if (!by("numbers").childElementCount) showNumbers = makeNumbers(app);
     showNumbers();
   });
-  app.showControls = () => [showViews, showDisc, showForm, showNumbers].forEach((show) => show());
+  app.showControls = () => [showViews, showPictures, showDisc, showForm, showNumbers].forEach((show) => show());
   data.presets.forEach((preset, k) => {
     const button = element("button", { type: "button", title: preset.look }, preset.title, element("kbd", { text: String(k + 1), "aria-hidden": "true" }));
     button.addEventListener("click", () => applyPreset(k));

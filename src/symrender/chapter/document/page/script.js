@@ -33,7 +33,7 @@ function tell(button, word) {
 for (const button of document.querySelectorAll("[data-copy]")) {
   button.addEventListener("click", async () => {
     const parts = byId(button.dataset.copy).querySelectorAll("pre.code");
-    await copy(Array.from(parts, (part) => part.textContent).join("\n\n") + "\n");
+    await copy(button.dataset.first + Array.from(parts, (part) => part.textContent).join("\n\n") + "\n");
     tell(button, "Copied");
   });
 }
