@@ -170,7 +170,7 @@ def test_a_notebook_is_valid_and_always_the_same(name: str) -> None:
 
 
 def test_a_notebook_installs_the_wheel_that_is_uploaded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In Colab the first code asks for the file; elsewhere it says what to type; with symrender there it does nothing."""
+    """In Colab the first code asks for the file; elsewhere it says what to type; installed, it does nothing."""
     code = lab.notebook(lab.load("cell1")).cells[1].source
     exec(compile(code, "installed", "exec"), {})  # noqa: S102
     monkeypatch.setitem(sys.modules, "symrender", None)

@@ -2,9 +2,9 @@
 # # The normaliser in closed form, stratum weights, units
 #
 # Three quantities of the lobe have closed forms: its integral W (the normaliser), the integral of its weight over one
-# stratum (one cell of the cone), and its widths. SymPy derives them here; each is checked against a quadrature,
-# then asks what the closed forms buy: where the integrand is smooth a great deal, where a silhouette crosses the lobe
-# nothing. Last it compares the two conventions in which a reflection may be written down.
+# stratum (one cell of the cone), and its widths. SymPy derives them here, and each is checked against a quadrature that
+# knows none of them. Then the cell asks what the closed forms buy: where the integrand is smooth a great deal, where a
+# silhouette crosses the lobe nothing. Last it compares the two conventions in which a reflection may be written down.
 
 # %%
 import matplotlib.pyplot as plt

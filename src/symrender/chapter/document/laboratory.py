@@ -40,7 +40,8 @@ def cell_html(cell: Cell, outputs: Sequence[Output] | None) -> str:
         body.append('<p class="note">Not run in this build.</p>')
     return (
         f'<article class="lab-cell" id="{cell.name}"><header><h3>{_numbered(cell)}</h3><div class="actions">'
-        f'<button type="button" data-copy="{cell.name}" data-first="{html.escape(_FIRST, quote=True)}">Copy code</button>'
+        f'<button type="button" data-copy="{cell.name}" data-first="{html.escape(_FIRST, quote=True)}">Copy code'
+        "</button>"
         f'<button type="button" data-notebook="{cell.name}">Download notebook</button></div></header>'
         f"{body[0]}<details><summary>The code, what it printed and drew, and what it checks</summary>"
         f"{''.join(body[1:])}</details>"

@@ -20,6 +20,8 @@ from symrender.errors import OptionError
 from symrender.simulator.build import escaped
 
 SECTIONS: Final = ("s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10")
+ARGUMENT: Final = ("s1", "s2", "s3", "s4", "s6", "s7")
+"""The sections that take a quarter of an hour."""
 _HEADING: Final = re.compile(r"<h2>(.*?)</h2>", re.DOTALL)
 _TAG: Final = re.compile(r"<[^>]+>")
 
@@ -100,10 +102,14 @@ def _section_html(section: Section) -> str:
 
 def _contents(sections: list[Section]) -> str:
     entries = "".join(
-        f'<li><a href="#{s.name}"><span class="number">{s.number}</span> {_TAG.sub("", s.title)}</a></li>'
+        f'<li{_path(s)}><a href="#{s.name}"><span class="number">{s.number}</span> {_TAG.sub("", s.title)}</a></li>'
         for s in sections
     )
     return f'<ol class="contents">{entries}</ol>'
+
+
+def _path(section: Section) -> str:
+    return ' class="path" title="part of the argument"' if section.name in ARGUMENT else ""
 
 
 def _policy(script: str, simulator: str) -> str:

@@ -17,12 +17,12 @@ from symrender.images.srgb import encode_srgb
 Bytes = npt.NDArray[np.uint8]
 
 
-def data_uri(pixels: Bytes) -> str:
-    """8-bit sRGB pixels (h, w, 3) as a data URI, lossless."""
+def data_uri(pixels: Bytes, *, lossless: bool = True) -> str:
+    """8-bit sRGB pixels (h, w, 3) as a data URI; not ``lossless``, a quarter of the bytes."""
     from PIL import Image as Pillow
 
     target = io.BytesIO()
-    Pillow.fromarray(np.ascontiguousarray(pixels)).save(target, "WEBP", lossless=True, quality=90, method=4)
+    Pillow.fromarray(np.ascontiguousarray(pixels)).save(target, "WEBP", lossless=lossless, quality=90, method=4)
     return f"data:image/webp;base64,{base64.b64encode(target.getvalue()).decode()}"
 
 
@@ -36,6 +36,25 @@ def element(pixels: Bytes, alt: str, *, smooth: bool = True) -> str:
     h, w = pixels.shape[:2]
     words = "" if smooth else ' class="pixels"'
     return f'<img{words} width="{w}" height="{h}" alt="{html.escape(alt, quote=True)}" src="{data_uri(pixels)}">'
+
+
+def stepped(entries: Sequence[tuple[Bytes, str, str]], at: int, symbol: str, label: str) -> str:
+    """Pictures of one size, each (pixels, value, description), and a slider that chooses; ``at`` is shown first."""
+    parts = []
+    for k, (pixels, value, alt) in enumerate(entries):
+        h, w = pixels.shape[:2]
+        shown = ' class="now"' if k == at else ""
+        parts.append(
+            f'<img{shown} width="{w}" height="{h}" alt="{html.escape(alt, quote=True)}" '
+            f'data-value="{html.escape(value, quote=True)}" src="{data_uri(pixels, lossless=False)}">'
+        )
+    value = html.escape(entries[at][1], quote=True)
+    slider = (
+        f'<input type="range" min="0" max="{len(entries) - 1}" value="{at}" step="1" '
+        f'aria-label="{html.escape(label, quote=True)}" aria-valuetext="{value}">'
+    )
+    named = f"<span><i>{symbol}</i> = <output>{value}</output></span>"
+    return f'<div class="stepped"><div class="steps">{"".join(parts)}</div><label>{named}{slider}</label></div>'
 
 
 def strip(entries: Sequence[tuple[Bytes | Picture, str, str]], *, smooth: bool = True) -> str:

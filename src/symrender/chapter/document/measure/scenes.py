@@ -8,7 +8,7 @@ import numpy as np
 
 from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Measured, figures_of, shown
-from symrender.chapter.document.pictures import element, radiance, strip
+from symrender.chapter.document.pictures import element, radiance, stepped, strip
 from symrender.chapter.document.tables import table
 from symrender.images.image import Image
 from symrender.images.views import gloss_view
@@ -19,6 +19,7 @@ from symrender.scene.parameters import get
 
 _FINE: Final[dict[str, Any]] = {"numeric": "none", "partition": "equal_weight", "nodes": "barycentre"}
 _EXPONENTS: Final = (1e9, 4096.0, 256.0, 32.0)
+_STEPS: Final = (4.0, 16.0, 64.0, 256.0, 1024.0, 16384.0)
 _SHOWN: Final = 0.05
 _TOLD: Final = (
     "camera.eye", "spheres.A.center", "spheres.A.radius", "spheres.B.center", "spheres.B.radius",
@@ -33,12 +34,19 @@ def measure(effort: Effort) -> Measured:
 
     Figures ``scenes.*``.
     """
-    hero = _picture("gloss", effort.hero, effort.hero_lobe)
+    hero = [
+        (_picture(load("gloss").replace({"floor.lobe.exponent": n}), effort.hero, effort.hero_lobe), n) for n in _STEPS
+    ]
     gloss, chapter = _picture("gloss", effort.small, 16), _picture("chapter8", effort.small[1], 32)
     blocks = {
-        "hero": element(
-            radiance(hero),
-            "Three spheres on dark polished tiles, their reflections crisp at the foot, soft below",
+        "hero": stepped(
+            [
+                (radiance(image), f"{n:g}", f"Three spheres on dark polished tiles, reflected with the exponent {n:g}")
+                for image, n in hero
+            ],
+            _STEPS.index(256.0),
+            "n",
+            "Exponent n of the floor's lobe",
         ),
         "roughness": strip([_at_exponent(effort, n) for n in _EXPONENTS]),
         "scenes.pictures": strip(
@@ -55,7 +63,7 @@ def measure(effort: Effort) -> Measured:
     return Measured(_facts("gloss", gloss) | _facts("chapter8", chapter), blocks)
 
 
-def _picture(name: str, size: int | tuple[int, int], lobe: int, **more: Any) -> Image:
+def _picture(name: Any, size: int | tuple[int, int], lobe: int, **more: Any) -> Image:
     made = render(name, size=size, lobe=lobe, **{**_FINE, **more}).symbolic
     assert made is not None
     return made

@@ -89,6 +89,17 @@ for (const number of document.querySelectorAll("[data-drag]")) {
 }
 draggable(byId("geometry-point"), "x", (start, dx) => start + (dx * drawing.viewBox.baseVal.width) / drawing.getBoundingClientRect().width);
 
+// A slider that chooses among pictures.
+for (const one of document.querySelectorAll(".stepped")) {
+  const input = one.querySelector("input"), images = [...one.querySelectorAll("img")];
+  input.addEventListener("input", () => {
+    images.forEach((image, k) => image.classList.toggle("now", k === Number(input.value)));
+    const { value } = images[Number(input.value)].dataset;
+    one.querySelector("output").textContent = value;
+    input.setAttribute("aria-valuetext", value);
+  });
+}
+
 // The laboratory is folded: what an address names inside it is opened before it is shown. The way there is not scrolled
 // smoothly: the simulator starts on it, and what else is laid out meanwhile would leave the heading out of view.
 function unfold() {
