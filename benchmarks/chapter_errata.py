@@ -63,8 +63,8 @@ def main() -> None:
          f"{at['claims.importance_wide']:.4f}"),
         ("Cell 6 confirms the anchor", f"repaired, it compares zero with zero: brightest mirror image "
          f"{at['claims.mirrored']:.3g} over {at['claims.mirrored_pixels']:.0f} floor pixels"),
-        ("gloss tends to the mirror", "only where light is continuous at the mirror ray; beside a sphere of radiance 1 "
-         f"that the ray touches {at['claims.edge']:.4f} at n = 1e4, {at['claims.edge_late']:.4f} at 1e8"),
+        ("gloss tends to the mirror", "only where light is continuous there; at the edge of a sphere of radiance 1: "
+         f"{at['claims.edge']:.4f} at n = 1e4, {at['claims.edge_late']:.4f} at 1e8"),
         ("lobes are probed at floor points", f"r = {points}, inside sphere A; "
          f"the visible floor begins at {edge:.3f}"),
         ("upward directions see nothing", "the sign is reversed; unclipped, the buried half of A gives "
