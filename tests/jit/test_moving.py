@@ -14,10 +14,11 @@ import pytest
 from symrender.chambers.roots import quartic_roots
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.marks import jitable
+from symrender.jit.moving import held, most, moved, moves, rising, tangent
 from symrender.jit.records import Record, Three, record, table
 from symrender.jit.refused import Refused
-from symrender.jit.twins import moving, moving_layout
+from symrender.jit.twins import moving, moving_by, moving_layout
 
 Array = npt.NDArray[np.float64]
 
@@ -75,6 +76,61 @@ def test_tangents_of_all_that_kernels_know_are_those_of_40_digits() -> None:
                 assert abs(found.imag[k] - float(wanted)) <= 4e-15 * (1.0 + abs(float(wanted))), (k, x, y)
                 seen += wanted != 0
     assert seen > 110
+
+
+def by_two(x: Array, out: Array) -> None:
+    """``elementary`` of two numbers."""
+    elementary(x[0], x[1], out)
+
+
+def test_four_tangents_at_once_are_those_of_four_passes() -> None:
+    kernel, x = compiled(by_two), np.array([0.7, 1.3])
+    moves_by = [np.array(move) for move in ((0.37, -0.81), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0))]
+    found: Any = moving_by(np.zeros(COUNT), ())
+    kernel(moving_by(x, moves_by), found)
+    felt = 0
+    for lane, move in enumerate(moves_by):
+        alone = np.zeros(COUNT, np.complex128)
+        kernel(moving(x, move), alone)
+        np.testing.assert_array_equal(found["value"], alone.real)
+        np.testing.assert_array_equal(found["tangents"][:, lane], alone.imag)
+        felt += int((alone.imag != 0.0).sum())
+    assert felt > 80
+
+
+def larger(a: float, b: float) -> float:
+    """The larger one, by a branch."""
+    if a > b:
+        return a
+    return b
+
+
+def made_of_tangents(x: Array, out: Array) -> None:
+    """What kernels do with tangents alone."""
+    slope = 2.0 * abs(tangent(x[0])) - tangent(x[1])
+    out[0] = moved(x[0], larger(slope, tangent(x[1])))
+    out[1], out[2] = most(slope), rising(slope)
+
+
+def test_functions_of_tangents_are_called_for_each_of_four() -> None:
+    jitable(larger)
+    first, second = np.array([0.5, -2.0, 0.0, 1.0]), np.array([3.0, 1.0, 0.0, -4.0])
+    given, out = moving_by(np.array([7.0, 8.0]), list(np.stack([first, second]).T)), moving_by(np.zeros(3), ())
+    compiled(made_of_tangents)(given, out)
+    slope = 2.0 * np.abs(first) - second
+    assert out["value"].tolist() == [7.0, slope.max(), float(int(((slope > 0) * [1, 2, 4, 8]).sum()))]
+    np.testing.assert_array_equal(out["tangents"][0], np.maximum(slope, second))
+
+
+def test_a_power_whose_base_is_0_stands_still_with_it() -> None:
+    kernel, out = compiled(by_power), np.zeros(1, np.complex128)
+    kernel(np.array([0.0 + 0.0j]), out)
+    assert out[0] == 0.0
+
+
+def by_power(x: Array, out: Array) -> None:
+    """A power with an infinite slope at 0."""
+    out[0] = x[0] ** 0.5
 
 
 def corners(x: Array, out: Array) -> None:

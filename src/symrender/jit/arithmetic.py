@@ -10,8 +10,28 @@ import ast
 from typing import Final
 
 from symrender.jit.body import double, whole
-from symrender.jit.tangents import Tangents
-from symrender.jit.types import B1, F8, I8, M8, U8, Array, Element, Scalar, Tuple, Type, Value, join, shown
+from symrender.jit.tangents import ABS, Tangents, aligned
+from symrender.jit.types import (
+    B1,
+    F8,
+    I8,
+    LANES,
+    M8,
+    MOVING,
+    U8,
+    V8,
+    W8,
+    Array,
+    Element,
+    Scalar,
+    Tuple,
+    Type,
+    Value,
+    join,
+    parts_of,
+    shown,
+    slopes_of,
+)
 
 TRUE: Final = Value(B1, ("true",))
 FALSE: Final = Value(B1, ("false",))
@@ -70,10 +90,16 @@ class Arithmetic(Tangents):
     def _scalar(self, value: Value, type: Scalar) -> Value:
         operand = value.parts[0]
         known = whole(operand)
-        if type == M8:
+        if type == W8 and value.type == M8:
+            return Value(W8, (operand, self.spread(V8, value.parts[1])))
+        if type in MOVING:
             number = operand if value.type == F8 else self._scalar(value, F8).parts[0]
-            return Value(M8, (number, double(0.0)))
-        if value.type == M8:
+            return Value(type, (number, double(0.0) if type == M8 else "zeroinitializer"))
+        if type == V8:
+            return Value(V8, (self.spread(V8, self.convert(value, F8).parts[0]),))
+        if value.type == V8:
+            raise self.refuse("tangents where a number is wanted")
+        if value.type in MOVING:
             if type == F8:
                 raise self.refuse("a number with a tangent where none has room")
             return self._scalar(self.still(value), type)
@@ -109,8 +135,9 @@ class Arithmetic(Tangents):
     def alike(self, a: Value, b: Value) -> tuple[Value, Value]:
         """Both as numbers of the wider type."""
         a, b = self.number(a), self.number(b)
-        if U8 in (a.type, b.type) and M8 in (a.type, b.type):
-            return self.convert(a, M8), self.convert(b, M8)
+        for moving in MOVING:
+            if U8 in (a.type, b.type) and moving in (a.type, b.type):
+                return self.convert(a, moving), self.convert(b, moving)
         if {a.type, b.type} == {U8, F8}:
             return self.convert(a, F8), self.convert(b, F8)
         if a.type != b.type and U8 in (a.type, b.type):
@@ -125,9 +152,11 @@ class Arithmetic(Tangents):
             return self.power(a, b)
         if kind in _BITS:
             return self._bitwise(kind, a, b)
-        if M8 in (a.type, b.type):
+        if a.type in MOVING or b.type in MOVING:
             return self.moving_binary(kind, self.number(a), self.number(b))
         a, b = self.alike(a, b)
+        if a.type == V8 and kind in _FLOAT:
+            return Value(V8, (self.op(f"{_FLOAT[kind]} {V8.llvm} {a.parts[0]}, {b.parts[0]}"),))
         if kind is ast.Div:
             a, b = self.convert(a, F8), self.convert(b, F8)
         (x,), (y,) = a.parts, b.parts
@@ -147,7 +176,7 @@ class Arithmetic(Tangents):
         if a.type == b.type == B1 and kind in (ast.BitAnd, ast.BitOr, ast.BitXor):
             return Value(B1, (self.op(f"{name} i1 {a.parts[0]}, {b.parts[0]}"),))
         a, b = self.alike(a, b)
-        if a.type in (F8, M8):
+        if a.type in (F8, V8, *MOVING):
             raise self.refuse("bits of a float")
         if a.type == U8 and kind is ast.RShift:
             name = "lshr"
@@ -177,9 +206,9 @@ class Arithmetic(Tangents):
         a, b = self.number(a), self.number(b)
         exponent = whole(b.parts[0]) if b.type == I8 else None
         if exponent is not None and abs(exponent) <= _MOST_SQUARED:
-            return self._moving_whole_power(a, exponent) if a.type == M8 else self._whole_power(a, exponent)
-        if M8 in (a.type, b.type):
-            a, b = (value if value.type == M8 else self.convert(value, F8) for value in (a, b))
+            return self._moving_whole_power(a, exponent) if a.type in MOVING else self._whole_power(a, exponent)
+        if a.type in MOVING or b.type in MOVING:
+            a, b = (value if value.type in MOVING else self.convert(value, F8) for value in (a, b))
             return self.moving_power(a, b)
         if a.type == F8 and b.type == I8:
             name = self.module.runtime("float_power")
@@ -212,7 +241,9 @@ class Arithmetic(Tangents):
         if exponent == 0:
             return value
         slope = self.binary(ast.Mult(), literal(float(exponent)), lower)
-        return Value(M8, (value.parts[0], self.op(f"fmul double {slope.parts[0]}, {a.parts[1]}")))
+        kind = slopes_of(a.type)
+        slope_ = self.op(f"fmul {kind.llvm} {self.spread(kind, slope.parts[0])}, {a.parts[1]}")
+        return Value(a.type, (value.parts[0], slope_))
 
     def compare(self, op: ast.cmpop, a: Value, b: Value) -> Value:
         """``a op b`` of numbers, a truth value."""
@@ -220,6 +251,8 @@ class Arithmetic(Tangents):
             raise self.refuse(f"comparison {type(op).__name__} is outside the subset")
         by_float, by_int = _COMPARE[type(op)]
         a, b = self.alike(self.still(a), self.still(b))
+        if a.type == V8:
+            raise self.refuse("tangents are compared: ask for the largest of them")
         if a.type == F8:
             return Value(B1, (self.op(f"fcmp {by_float} double {a.parts[0]}, {b.parts[0]}"),))
         if by_int not in ("eq", "ne"):
@@ -229,8 +262,9 @@ class Arithmetic(Tangents):
     def negative(self, value: Value) -> Value:
         """``-value``."""
         value = self.number(value)
-        if value.type == M8:
-            return Value(M8, tuple(self.op(f"fneg double {part}") for part in value.parts))
+        if value.type in (V8, *MOVING):
+            pairs = zip(parts_of(value.type), value.parts, strict=True)
+            return Value(value.type, tuple(self.op(f"fneg {kind} {part}") for kind, part in pairs))
         (operand,) = value.parts
         if value.type == F8:
             return Value(F8, (self.op(f"fneg double {operand}"),))
@@ -244,6 +278,11 @@ class Arithmetic(Tangents):
         best = self.number(values[0])
         for value in values[1:]:
             best, value = self.alike(best, value)
+            if best.type == V8:
+                x, y = value.parts[0], best.parts[0]
+                beyond = self.op(f"fcmp {_COMPARE[type(op)][0]} {V8.llvm} {x}, {y}")
+                best = Value(V8, (self.op(f"select <{LANES} x i1> {beyond}, {V8.llvm} {x}, {V8.llvm} {y}"),))
+                continue
             (beyond,) = self.compare(op, value, best).parts
             best = self.chosen(beyond, value, best)
         return best
@@ -251,9 +290,11 @@ class Arithmetic(Tangents):
     def absolute(self, value: Value) -> Value:
         """``abs(value)``."""
         value = self.number(value)
-        if value.type == M8:
+        if value.type in MOVING:
             return self.moving_call("llvm.fabs.f64", [value])
         (operand,) = value.parts
+        if value.type == V8:
+            return Value(V8, (self.op(f"call {V8.llvm} {self.module.runtime(ABS)}({V8.llvm} {operand})"),))
         if value.type == F8:
             return Value(F8, (self.op(f"call double {self.module.runtime('llvm.fabs.f64')}(double {operand})"),))
         (minus,) = self.negative(value).parts
@@ -262,9 +303,12 @@ class Arithmetic(Tangents):
 
     def read_number(self, element: Element, address: str, remark: str = "") -> Value:
         """The number at an address."""
-        if element.scalar == M8:
+        if element.scalar in MOVING:
             other = self.op(f"getelementptr inbounds double, ptr {address}, i64 1")
-            return Value(M8, tuple(self.op(f"load double, ptr {place}{remark}") for place in (address, other)))
+            places = zip(parts_of(element.scalar), (address, other), ("", aligned(element)), strict=True)
+            return Value(
+                element.scalar, tuple(self.op(f"load {kind}, ptr {place}{fit}{remark}") for kind, place, fit in places)
+            )
         raw = self.op(f"load {element.llvm}, ptr {address}{remark}")
         if element.scalar == B1:
             return Value(B1, (self.op(f"icmp ne i8 {raw}, 0"),))
@@ -277,11 +321,11 @@ class Arithmetic(Tangents):
         """Store a number, converted as an assignment to an array's element converts it."""
         if not isinstance(value.type, Scalar):
             raise self.refuse(f"{shown(value.type)} stored in an array of {element.name}")
-        if element.scalar == M8:
-            number, slope = self.convert(value, M8).parts
+        if element.scalar in MOVING:
+            number, slope = self.convert(value, element.scalar).parts
             other = self.op(f"getelementptr inbounds double, ptr {address}, i64 1")
             self.do(f"store double {number}, ptr {address}")
-            self.do(f"store double {slope}, ptr {other}")
+            self.do(f"store {slopes_of(element.scalar).llvm} {slope}, ptr {other}{aligned(element)}")
             return
         (operand,) = self.convert(value, element.scalar).parts
         if element.scalar == B1:

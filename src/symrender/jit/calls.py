@@ -11,9 +11,9 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.jit.arithmetic import literal
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.moving import held, most, moved, moves, rising, tangent
 from symrender.jit.places import Places
-from symrender.jit.types import B1, F8, I8, M8, U8, Array, Bundle, Scalar, Static, Tuple, Value, shown
+from symrender.jit.types import B1, F8, I8, M8, MOVING, U8, V8, W8, Array, Bundle, Scalar, Static, Tuple, Value, shown
 
 _UNARY: Final[dict[object, str]] = {
     math.sqrt: "llvm.sqrt.f64", math.exp: "llvm.exp.f64", math.log: "llvm.log.f64", math.log10: "llvm.log10.f64",
@@ -40,7 +40,7 @@ class Calls(Places):
 
     def call(self, callee: Any, values: list[Value], names: dict[str, Value]) -> Value:
         """``callee(*values, **names)``."""
-        if callee in (moves, held, tangent, moved):
+        if callee in (moves, held, tangent, moved, most, rising):
             return self._of_tangents(callee, values)
         if isinstance(callee, FunctionType):
             return self.call_function(callee, values, names)
@@ -54,13 +54,19 @@ class Calls(Places):
         """The functions of ``moving.py``."""
         value = self.number(values[0])
         if callee is moves:
-            return literal(value.type == M8)
+            return literal(value.type in MOVING)
         if callee is moved:
-            numbers = [self.convert(self.still(self.number(each)), F8) for each in values]
-            return Value(M8, (numbers[0].parts[0], numbers[1].parts[0]))
+            first, slope = self.convert(self.still(value), F8), self.still(self.number(values[1]))
+            several = slope.type == V8
+            slope = slope if several else self.convert(slope, F8)
+            return Value(W8 if several else M8, (first.parts[0], slope.parts[0]))
         if callee is held:
             return self.still(value)
-        return Value(F8, (value.parts[1],)) if value.type == M8 else literal(0.0)
+        if callee is most:
+            return self.largest(value) if value.type == V8 else value
+        if callee is rising:
+            return self.signs(value if value.type == V8 else self.convert(self.still(value), F8))
+        return Value(F8 if value.type == M8 else V8, (value.parts[1],)) if value.type in MOVING else literal(0.0)
 
     def call_function(self, callee: FunctionType, values: list[Value], names: dict[str, Value]) -> Value:
         """Call of a function that is translated too."""
@@ -82,7 +88,7 @@ class Calls(Places):
                 return value if value.type == I8 else self.convert(self._external(_ROUNDED[callee], [value]), I8)
             case _ if callee in _CONVERTED and count == 1:
                 value, wanted = self._scalar_only(values[0]), _CONVERTED[callee]
-                return value if value.type == M8 and wanted == F8 else self.convert(value, wanted)
+                return value if value.type in (V8, *MOVING) and wanted == F8 else self.convert(value, wanted)
             case builtins.max | builtins.min:
                 if count == 1 and isinstance(values[0].type, Tuple):
                     values = self.items(values[0])
@@ -104,7 +110,7 @@ class Calls(Places):
                 (x,) = self.absolute(self.convert(self.number(self.still(value)), F8)).parts
                 kind = "oeq" if callee is math.isinf else "olt"
                 return Value(B1, (self.op(f"fcmp {kind} double {x}, {literal(math.inf).parts[0]}"),))
-            case math.ldexp, [value, exponent] if value.type != M8:
+            case math.ldexp, [value, exponent] if value.type not in MOVING:
                 (x,) = self.convert(self.number(value), F8).parts
                 (n,) = self._scalar_only(exponent).parts
                 if exponent.type != I8:
@@ -116,8 +122,8 @@ class Calls(Places):
         raise self.refuse(f"a call of {module}.{name} with {len(values)} arguments is outside the subset")
 
     def _external(self, name: str, values: list[Value]) -> Value:
-        numbers = [value if value.type == M8 else self.convert(self.number(value), F8) for value in values]
-        if M8 in (value.type for value in numbers):
+        numbers = [value if value.type in MOVING else self.convert(self.number(value), F8) for value in values]
+        if any(value.type in MOVING for value in numbers):
             if name == "llvm.pow.f64":
                 return self.moving_power(*numbers)
             return self.moving_call(name, numbers)

@@ -14,7 +14,9 @@ from symrender.jit.refused import Refused
 from symrender.jit.types import (
     B1,
     M8,
+    MOVING,
     NOTHING,
+    W8,
     Bundle,
     Racked,
     Record,
@@ -223,7 +225,7 @@ class Expressions(Calls):
             if not -len(items) <= int(operand) < len(items):
                 raise self.refuse(f"item {operand} of {len(items)}")
             return items[int(operand)]
-        if any(item.type == M8 for item in items):
+        if any(item.type in MOVING for item in items):
             return self._moving_item(items, operand)
         if not isinstance(index.type, Scalar) or not items or any(item.type != items[0].type for item in items):
             raise self.refuse(f"{shown(value.type)} has no item at {shown(index.type)}")
@@ -240,10 +242,11 @@ class Expressions(Calls):
 
     def _moving_item(self, items: list[Value], operand: str) -> Value:
         """One of several numbers of which some have a tangent."""
-        found = self.convert(self.number(items[0]), M8)
+        wide = W8 if any(item.type == W8 for item in items) else M8
+        found = self.convert(self.number(items[0]), wide)
         for k, item in enumerate(items[1:], 1):
             here = self.op(f"icmp eq i64 {operand}, {k}")
-            found = self.chosen(here, self.convert(self.number(item), M8), found)
+            found = self.chosen(here, self.convert(self.number(item), wide), found)
         return found
 
     def stack(self, kind: Scalar, operands: list[str]) -> str:

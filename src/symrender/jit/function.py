@@ -16,7 +16,22 @@ from symrender.jit.marks import is_copied
 from symrender.jit.places import Counted
 from symrender.jit.refused import Refused
 from symrender.jit.source import Source
-from symrender.jit.types import B1, F8, I8, NOTHING, Array, Scalar, Static, Type, Value, join, parts_of, shown
+from symrender.jit.types import (
+    B1,
+    F8,
+    I8,
+    LANES,
+    NOTHING,
+    V8,
+    Array,
+    Scalar,
+    Static,
+    Type,
+    Value,
+    join,
+    parts_of,
+    shown,
+)
 
 _MOST_PASSES = 12
 
@@ -334,6 +349,8 @@ class Function(Expressions):
 
     def call_function(self, callee: FunctionType, values: list[Value], names: dict[str, Value]) -> Value:
         """Call of a function that is translated too; numbers take the wider type of its annotation."""
+        if any(value.type == V8 for value in (*values, *names.values())):
+            return self._each(callee, values, names)
         try:
             source = self.module.source(callee)
         except Refused as error:
@@ -376,6 +393,18 @@ class Function(Expressions):
             self.fork(self.op(f"icmp eq i64 {failed}, 0"), fine, "out")
             self.label(fine)
         return found
+
+    def _each(self, callee: FunctionType, values: list[Value], names: dict[str, Value]) -> Value:
+        """A function of tangents, called for each of the four."""
+        found = "poison"
+        for k in range(LANES):
+            own = [self.lane(value, k) if value.type == V8 else value for value in values]
+            named = {name: self.lane(value, k) if value.type == V8 else value for name, value in names.items()}
+            result = self.call_function(callee, own, named)
+            if result.type != F8:
+                raise self.refuse(f"{callee.__name__} of tangents gives back {shown(result.type)}")
+            found = self.op(f"insertelement {V8.llvm} {found}, double {result.parts[0]}, i64 {k}")
+        return Value(V8, (found,))
 
     def _default(self, default: object) -> Value:
         try:

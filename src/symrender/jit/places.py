@@ -11,8 +11,9 @@ from symrender.jit.types import (
     B1,
     F8,
     I8,
-    M8,
+    MOVING,
     NOTHING,
+    V8,
     Array,
     Block,
     Bundle,
@@ -140,7 +141,7 @@ class Places(Arithmetic):
 
     def _index(self, value: Value, length: str) -> str:
         """A number as an index of an axis of this length; only literals count from the end."""
-        if not isinstance(value.type, Scalar) or value.type in (F8, M8):
+        if not isinstance(value.type, Scalar) or value.type in (F8, V8, *MOVING):
             raise self.refuse(f"an index is {shown(value.type)}")
         (operand,) = self.convert(value, I8).parts
         known = whole(operand)
@@ -218,7 +219,7 @@ class Places(Arithmetic):
         return low, self.op(f"select i1 {some}, i64 {count}, i64 0")
 
     def _bound(self, value: Value, length: str) -> str:
-        if not isinstance(value.type, Scalar) or value.type in (F8, M8):
+        if not isinstance(value.type, Scalar) or value.type in (F8, V8, *MOVING):
             raise self.refuse(f"a slice's bound is {shown(value.type)}")
         (operand,) = self.convert(value, I8).parts
         known, most = whole(operand), whole(length)

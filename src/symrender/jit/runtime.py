@@ -140,6 +140,7 @@ end:
 EXTERNAL: Final = {
     "ldexp": "declare double @ldexp(double, i32 signext) #2",
     "llvm.memmove.p0.p0.i64": "declare void @llvm.memmove.p0.p0.i64(ptr, ptr, i64, i1)",
+    "llvm.fabs.v4f64": "declare <4 x double> @llvm.fabs.v4f64(<4 x double>)",
     **{name: f"declare double @{name}(double, double)" for name in ("llvm.pow.f64", "llvm.copysign.f64")},
     **{name: f"declare double @{name}(double, double) #2" for name in ("atan2", "hypot")},
     **{

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,17 +11,21 @@ import numpy.typing as npt
 from symrender.jit.call import racked
 from symrender.jit.racks import Rack
 from symrender.jit.records import R, Table, columns, flat, in_lines, table
+from symrender.jit.types import SEVERAL
+
+ONE: Final = np.dtype(np.complex128)
+"""How memory holds numbers with one tangent: as its imaginary part."""
 
 
-def moving_layout(layout: np.dtype[Any]) -> np.dtype[Any]:
-    """A dtype with complex128 where ``layout`` has float64, in records too; whole numbers stay."""
+def moving_layout(layout: np.dtype[Any], number: np.dtype[Any] = ONE) -> np.dtype[Any]:
+    """A dtype with complex128, or ``SEVERAL``, where ``layout`` has float64, in records too; whole numbers stay."""
     if layout.subdtype is not None:
         base, shape = layout.subdtype
-        return np.dtype((moving_layout(base), shape))
+        return np.dtype((moving_layout(base, number), shape))
     if layout.fields is not None:
-        fields = [(name, moving_layout(layout.fields[name][0])) for name in layout.names or ()]
+        fields = [(name, moving_layout(layout.fields[name][0], number)) for name in layout.names or ()]
         return np.dtype(fields, align=True)
-    return np.dtype(np.complex128) if layout == np.float64 else layout
+    return number if layout == np.float64 else layout
 
 
 def moving(value: Any, tangents: Any = None) -> Any:
@@ -28,34 +33,52 @@ def moving(value: Any, tangents: Any = None) -> Any:
 
     Without ``tangents`` they stand still. Whole numbers, truth values and single floats are given back as they are.
     """
+    return _moving(value, (tangents,), ONE)
+
+
+def moving_by(value: Any, tangents: Sequence[Any]) -> Any:
+    """The same of up to four ``tangents`` at once, in arrays of ``SEVERAL``."""
+    return _moving(value, tuple(tangents), SEVERAL)
+
+
+def _moving(value: Any, moves: tuple[Any, ...], number: np.dtype[Any]) -> Any:
     match value:
         case tuple() if hasattr(value, "_fields"):
-            moves = tangents if tangents is not None else (None,) * len(value)
-            return type(value)(*(moving(item, move) for item, move in zip(value, moves, strict=True)))
+            parts = [tuple(None if move is None else move[k] for move in moves) for k in range(len(value))]
+            return type(value)(*(_moving(item, part, number) for item, part in zip(value, parts, strict=True)))
         case Rack():
-            still = [None] * len(value) if tangents is None else tangents
+            parts = [tuple(None if move is None else move[k] for move in moves) for k in range(len(value))]
             # a tuple's own tangents do not tell its type
-            return racked(moving(value.like), [moving(*pair) for pair in zip(value, still, strict=True)])
+            items = [_moving(item, part, number) for item, part in zip(value, parts, strict=True)]
+            return racked(_moving(value.like, (), number), items)
         case np.void():
-            return moving(np.asarray(value)[None], None if tangents is None else np.asarray(tangents)[None])[0]
+            rows = tuple(None if move is None else np.asarray(move)[None] for move in moves)
+            return _moving(np.asarray(value)[None], rows, number)[0]
         case np.ndarray():
-            if moving_layout(value.dtype) == value.dtype:
+            if moving_layout(value.dtype, number) == value.dtype:
                 return value
-            found = in_lines(value.shape, moving_layout(value.dtype))
-            _fill(found, value, tangents)
+            found = in_lines(value.shape, moving_layout(value.dtype, number))
+            _fill(found, value, moves)
             return found
     return value
 
 
-def _fill(target: npt.NDArray[Any], values: npt.NDArray[Any], tangents: npt.NDArray[Any] | None) -> None:
-    if values.dtype.fields is None:
-        target[...] = values
-        if tangents is not None and values.dtype == np.float64:
-            target.imag[...] = tangents
+def _fill(target: npt.NDArray[Any], values: npt.NDArray[Any], moves: tuple[Any, ...]) -> None:
+    if values.dtype.fields is not None:
+        for name in values.dtype.names or ():
+            parts = tuple(None if move is None else np.asarray(move[name]) for move in moves)
+            _fill(target[name], np.asarray(values[name]), parts)
         return
-    for name in values.dtype.names or ():
-        part = None if tangents is None else np.asarray(tangents[name])
-        _fill(target[name], np.asarray(values[name]), part)
+    several = target.dtype == SEVERAL
+    if several:
+        target["value"] = values
+    else:
+        target[...] = values
+    for k, move in enumerate(moves):
+        if move is not None and several:
+            target["tangents"][..., k] = move
+        elif move is not None and values.dtype == np.float64:
+            target.imag[...] = move
 
 
 def parted(rows: Any, kind: type[R]) -> tuple[Table[R], Table[R]]:

@@ -29,10 +29,18 @@ class Scalar:
 F8: Final = Scalar("float64", "double")
 M8: Final = Scalar("moving64", "double")
 """A float64 that moves with a parameter: its value, then its tangent."""
+LANES: Final = 4
+W8: Final = Scalar("moving64x4", "double")
+"""A float64 that moves with four parameters at once: its value, then a vector of its tangents."""
+V8: Final = Scalar("tangents64x4", f"<{LANES} x double>")
+"""The four tangents alone."""
+MOVING: Final = (M8, W8)
 I8: Final = Scalar("int64", "i64")
 U8: Final = Scalar("uint64", "i64")
 B1: Final = Scalar("bool", "i1")
-_RANK: Final = {B1: 0, I8: 1, F8: 2, M8: 3}
+_RANK: Final = {B1: 0, I8: 1, F8: 2, M8: 3, W8: 4, V8: 5}
+SEVERAL: Final = np.dtype([("value", np.float64), ("tangents", np.float64, (LANES,))])
+"""How memory holds numbers of type ``W8``."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,7 @@ _ELEMENTS: Final = {
     "|u1": Element("uint8", "i8", 1, I8),
     "|b1": Element("bool", "i8", 1, B1),
 }
+_SEVERAL: Final = Element("moving64x4", f"[{1 + LANES} x double]", 8 + 8 * LANES, W8)
 
 
 @dataclass(frozen=True)
@@ -137,9 +146,9 @@ def moves_in(type: Type | Element | Block) -> bool:
     """Whether a number with a tangent lies in what is of this type."""
     match type:
         case Scalar():
-            return type == M8
+            return type in MOVING
         case Element(scalar=scalar):
-            return scalar == M8
+            return scalar in MOVING
         case Array(element=element) | Block(element=element):
             return moves_in(element)
         case Record(fields=fields):
@@ -155,7 +164,7 @@ def parts_of(type: Type) -> tuple[str, ...]:
     """LLVM types of the parts of a value."""
     match type:
         case Scalar():
-            return (type.llvm,) * (2 if type == M8 else 1)
+            return (type.llvm, *((V8.llvm if type == W8 else type.llvm,) if type in MOVING else ()))
         case Array():
             return ("ptr", *("i64",) * (type.ndim if type.contiguous else 2 * type.ndim))
         case Tuple():
@@ -165,6 +174,11 @@ def parts_of(type: Type) -> tuple[str, ...]:
         case Racked():
             return ("ptr", "i64")
     return ()
+
+
+def slopes_of(type: Type) -> Scalar:
+    """Type of the tangents of numbers of a type that moves, or of ``V8`` itself."""
+    return F8 if type == M8 else V8
 
 
 def size_of(element: Element | Record) -> int:
@@ -177,7 +191,7 @@ def join(a: Type, b: Type) -> Type:
     if a == b:
         return a
     match a, b:
-        case Scalar(), Scalar() if a in _RANK and b in _RANK:
+        case Scalar(), Scalar() if a in _RANK and b in _RANK and not (V8 in (a, b) and (a in MOVING or b in MOVING)):
             return a if _RANK[a] >= _RANK[b] else b
         case Array(), Array() if a.element == b.element and a.ndim == b.ndim:
             return Array(a.element, a.ndim, False)
@@ -209,6 +223,8 @@ def shown(type: Type) -> str:
 
 def element_of(dtype: np.dtype[Any]) -> Element | Record:
     """What one element of an array of ``dtype`` is."""
+    if dtype == SEVERAL:
+        return _SEVERAL
     if dtype.fields is not None:
         fields = []
         for name in dtype.names or ():
