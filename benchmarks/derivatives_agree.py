@@ -5,8 +5,8 @@
 Places are those of ``tolerances_agree.py``: ``afar`` (lamps, points and a sky over tiles, close and many squares off),
 ``sunk`` (balls that cut or touch textured planes), ``points`` and ``tiles``. Three numbers of each scene are drawn: of
 its balls, planes, textures and lights. Derivatives of a place at two tolerances that differ by more than 1.5 times what
-both state are beyond. So are those that differ from central differences of values, which share no formula of the
-adjoint, by more than they state and the differences may be off by: what values state over the step, and the change from
+both state are beyond. So are those that differ from central differences of values, which share no tangent with
+them, by more than they state and the differences may be off by: what values state over the step, and the change from
 one step to its half. A place that a wall passes within a step has no difference that tells.
 """
 

@@ -9,11 +9,10 @@ from dataclasses import dataclass, field
 from types import FunctionType, ModuleType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from symrender.adjoint.work import AdjointWork, Charted, GridWork, PanelWork, TangentWork
 from symrender.chambers.work import View, Work
 from symrender.jit.records import Record, Table
 
-BUNDLES = (View, Work, AdjointWork, Charted, GridWork, PanelWork, TangentWork)
+BUNDLES = (View, Work)
 
 
 @dataclass

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import symrender as sr
-from symrender.adjoint.point import EVENT
 from symrender.errors import OptionError
+from symrender.quadrature.split_setup import EVENT
 from symrender.scene.parameters import get
 
 WRT = ["spheres.B.center.x", "floor.lobe.weight", "camera.eye.z", "floor.texture.cell"]

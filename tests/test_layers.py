@@ -20,7 +20,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("chambers",),
     ("radiometric",),
     ("quadrature",),
-    ("adjoint", "radiosity"),
+    ("radiosity",),
     ("kernel",),
     ("targets",),
     ("runtimes",),

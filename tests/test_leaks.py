@@ -10,12 +10,12 @@ from leaks import leaks
 from symrender.runtimes import numba
 
 ROOT = Path(__file__).resolve().parent.parent / "src" / "symrender"
-FOLDERS = ("chambers", "quadrature", "adjoint", "numeric")
+FOLDERS = ("chambers", "quadrature", "numeric")
 MEANT = {
     # a list of nodes that is evaluated, and begun again, when it is full
     ("arc_term", "m"), ("strip_integral", "m"), ("strip_integral", "placed"),
     # the height of a stack
-    ("integrate_cells", "top"), ("line_adjoint", "top"),
+    ("integrate_cells", "top"),
     # where a scan has arrived, and the structure there
     ("cut_strips", "before"), ("cut_strips", "left"), ("cut_strips", "start"),
     # the smallest so far

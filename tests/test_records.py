@@ -281,9 +281,7 @@ def test_checked_kernels_watch_tables_and_fields(monkeypatch: pytest.MonkeyPatch
 
 def modules() -> list[Path]:
     """The files whose numbers have names."""
-    found = [
-        path for folder in ("chambers", "quadrature", "adjoint") for path in sorted((PACKAGE / folder).rglob("*.py"))
-    ]
+    found = [path for folder in ("chambers", "quadrature") for path in sorted((PACKAGE / folder).rglob("*.py"))]
     assert len(found) > 40
     return found
 
@@ -337,21 +335,6 @@ def test_a_record_read_by_number_is_noticed() -> None:
 GIVEN = ("gauss", "lobes", "arrays.", "moved[", "tangents.")
 """Arrays that are no records: the table of rules, and what a scene, a surface and a parameter are given as."""
 NUMBERED = {
-    "adjoint/conic_slopes.py": {"out", "own"},
-    "adjoint/direct.py": {"moves", "row", "rows"},
-    "adjoint/disk.py": {"out", "rows", "table"},
-    "adjoint/ends.py": {"adjoint"},
-    "adjoint/floor_node.py": {"adjoint", "out"},
-    "adjoint/light_rows.py": {"out"},
-    "adjoint/line_nodes.py": {"out"},
-    "adjoint/lobe.py": {"moves", "out", "row"},
-    "adjoint/panel.py": {"sums"},
-    "adjoint/point.py": {"row", "t.value"},
-    "adjoint/point_moves.py": {"row"},
-    "adjoint/radial_walls.py": {"adjoint"},
-    "adjoint/rooms.py": {"out", "row"},
-    "adjoint/shape.py": {"row", "t.value"},
-    "adjoint/walls.py": {"bar", "out", "own"},
     "quadrature/disk_curves.py": {"table"},
     "quadrature/disk_refined.py": {"room"},
 }

@@ -19,7 +19,6 @@ EXEMPT = (
     "chapter/",
     "chambers/leaf_rows.py",
     "kernel/tape.py",
-    "kernel/sweeps.py",
 )
 
 PATTERNS = {
@@ -100,7 +99,7 @@ def test_a_planted_formula_is_found(formula: str) -> None:
     assert formulas_in(PLANTED[formula]) == [formula]
 
 
-ROOM = ("chambers/lobes/", "adjoint/lobe.py", "adjoint/lobe_mass.py")
+ROOM = ("chambers/lobes/",)
 """What is true of a kind of lobe only is written here (``docs/adding-a-lobe.md``)."""
 OF_A_LOBE = r"\.exponent\b|log_normaliser|\.facing\b|facing_level|log_rim|cos\*\*n|cosine\*\*n"
 NO_LOBE = (
@@ -112,9 +111,7 @@ NO_LOBE = (
 def lobe_readers(ask: str) -> dict[str, list[int]]:
     """Lines of every file behind truth, probe and gradient that read what a lobe is made of, by the file's name."""
     lines: dict[str, list[int]] = {}
-    for path in sorted(
-        path for folder in ("chambers", "quadrature", "adjoint") for path in (PACKAGE / folder).rglob("*.py")
-    ):
+    for path in sorted(path for folder in ("chambers", "quadrature") for path in (PACKAGE / folder).rglob("*.py")):
         name = path.relative_to(PACKAGE).as_posix()
         for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
             if name not in NO_LOBE and re.search(ask, line):

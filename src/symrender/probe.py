@@ -26,9 +26,9 @@ from symrender.scene.undecided import check_decided
 from symrender.settings import Settings
 
 if TYPE_CHECKING:
-    from symrender.adjoint.point import GradientResult
     from symrender.certify.enclosure import Enclosure
     from symrender.probe_rays import RayProbe, Rays
+    from symrender.quadrature.gloss_gradients import GradientResult
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -212,7 +212,7 @@ def probe(
     enclosures = _enclosed(arrays, place, surface, settings) if certify else ()
     if not wrt:
         return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
-    from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, slope_scene
+    from symrender.quadrature.gloss_gradients import BUDGET, gloss_gradients, refuse_unknown, slope_scene
 
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)

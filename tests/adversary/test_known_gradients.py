@@ -39,7 +39,7 @@ def test_a_ball_that_covers_the_lobe_moves_nothing() -> None:
 
 
 def test_a_light_that_leaves_a_plane_lights_it_on_one_side_alone() -> None:
-    from symrender.adjoint.point import EVENT
+    from symrender.quadrature.split_setup import EVENT
 
     case, name = case_of(KNOWN[2]), "lights.L0.position.z"
     found = asked(case, [name, "lights.L0.position.x"])

@@ -4,16 +4,36 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from mpmath import mp
 
-from symrender.adjoint.lobe_mass import horizon_slopes
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, ring_share, tilt_of
+from symrender.jit.compiled import compiled
+from symrender.jit.twins import moving_by
+from symrender.jit.types import SEVERAL
 from symrender.quadrature.gauss import gauss_table
 
 TABLE = gauss_table()
+
+
+def shares(given: np.ndarray, gauss: np.ndarray, out: np.ndarray) -> None:
+    """The share above a horizon of a lobe given by its exponent, rim and tilt."""
+    out[0] = cap_share(given[0], given[1], given[2], 0.5 * math.pi, gauss)
+
+
+SHARES = compiled(shares)
+
+
+def cap_slopes(n: float, theta_max: float, alpha: float) -> np.ndarray:
+    """Slopes of that share in the three."""
+    out: Any = np.zeros(1, SEVERAL)
+    # from a right angle a rim can only come in
+    theta = min(theta_max, 0.5 * math.pi - 1e-12)
+    SHARES(moving_by(np.array([n, theta, alpha]), list(np.eye(3))), TABLE, out)
+    return np.asarray(out["tangents"][0, :3])
 
 
 @pytest.mark.parametrize("n", [0.0, 0.5, 3.0, 16.0, 256.0, 1e6, 1e9])
@@ -100,10 +120,28 @@ def test_shares_above_a_horizon_and_their_slopes_at_fractional_exponents(n: floa
     assert 0.3 < expected < 0.95
     value = cap_share(n, theta_max, 1.3, math.pi / 2, TABLE)
     assert abs(value - float(expected)) < ROUNDED_SHARE
-    slopes = horizon_slopes(n, theta_max, 1.3, value, TABLE)
+    slopes = cap_slopes(n, theta_max, 1.3)
     assert abs(by_tilt) > 0.1
     assert slopes[2] == pytest.approx(float(by_tilt), rel=1e-12)
     assert slopes[0] == pytest.approx(float(by_n), abs=3e-12)
+
+
+@pytest.mark.parametrize("n", [0.0, 1.0, 8.0])
+@pytest.mark.parametrize("theta", [1.2, math.pi / 2])
+def test_slopes_of_what_is_above_a_horizon(n: float, theta: float) -> None:
+    """A rim that begins to come in from a right angle moves what is on it, of a lobe of exponent 0 as much as any."""
+    quarter, h = 0.5 * math.pi, 1e-4
+    for alpha in (0.6, 1.1, 1.9):
+        share = cap_share(n, theta, alpha, quarter, TABLE)
+        back = [cap_share(n, theta - k * h, alpha, quarter, TABLE) for k in (1, 2)]
+        by_theta = (3.0 * share - 4.0 * back[0] + back[1]) / (2.0 * h)
+        ahead = [cap_share(n + k * h, theta, alpha, quarter, TABLE) for k in (1, 2)]
+        by_n = (4.0 * ahead[0] - 3.0 * share - ahead[1]) / (2.0 * h)
+        ends = [cap_share(n, theta, alpha + k * h, quarter, TABLE) for k in (1, -1)]
+        by_alpha = (ends[0] - ends[1]) / (2.0 * h)
+        told = cap_slopes(n, theta, alpha)
+        assert told == pytest.approx([by_n, by_theta, by_alpha], abs=2e-6), (n, theta, alpha)
+        assert np.abs(told).max() > 1e-3
 
 
 def test_narrow_discs_keep_their_digits() -> None:

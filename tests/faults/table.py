@@ -30,7 +30,6 @@ KNOWN = ("adversary/test_recorded.py",)
 TRACES = ("chambers/test_events_are_complete.py",)
 GLEAMS = ("chambers/test_highlights.py", *KNOWN)
 MIRROR = ("quadrature/test_mirror.py",)
-SLOPES = ("adjoint/test_point.py", "adjoint/test_disk.py", "test_gradient.py", "adversary/test_known_gradients.py")
 LATTICE = ("quadrature/test_lattice_sphere.py",)
 LIGHTS = ("quadrature/test_light_nodes.py", "quadrature/test_split_point.py", "quadrature/test_disk_points.py", *KNOWN)
 FAULTS = (
@@ -210,26 +209,6 @@ FAULTS = (
           ("radiometric/test_hot_places.py",), "the disc of a beam unknown to pixels"),
     Fault("cache", "jit/entries.py", "if hashlib.sha256(content).digest() == data[:_DIGEST_BYTES] else None",
           "if data else None", ("jit/test_kernel_cache.py",), "a damaged kernel run"),
-    Fault("adjoint", "adjoint/line_nodes.py", "chart + total * r.slope[i]", "chart", SLOPES,
-          "a chart's solid angle that does not move with it"),
-    Fault("adjoint", "adjoint/line_nodes.py", "drawn = total * r.steep[i]", "drawn = total", SLOPES,
-          "the slope of a density taken for the density"),
-    Fault("adjoint", "adjoint/line_nodes.py", "        r.node[at, i] -= tx\n", "        r.node[at, i] += tx\n", SLOPES,
-          "a place that moves away from the eye as the eye moves away from it"),
-    Fault("adjoint", "adjoint/light_rows.py", "            r.node[at + 6 + k, i] += r.shown[i] *",
-          "            r.node[at + 6 + k, i] -= r.shown[i] *", SLOPES, "highlights that turn against the view"),
-    Fault("adjoint", "adjoint/light_rows.py", "and pending >= 0 and not same_color(i, pending, on)",
-          "and pending >= 0 and same_color(i, -1, on)", SLOPES, "all lights of the last one's colour"),
-    Fault("adjoint", "adjoint/line.py", "r.weight[q], r.told[q] = -r.told[q], 0.0",
-          "r.weight[q], r.told[q] = r.told[q], 0.0", SLOPES, "pieces that are halved counted twice, not taken back"),
-    Fault("adjoint", "adjoint/ends.py", "above[a] = below[a] - above[a]", "above[a] = above[a] - below[a]", SLOPES,
-          "walls that move the other way"),
-    Fault("adjoint", "adjoint/floor_node.py", "fall = steep * cosine + 3.0", "fall = steep * cosine + 2.0", SLOPES,
-          "a floor whose solid angle falls with the square of the distance alone"),
-    Fault("adjoint", "adjoint/conic_slopes.py", "own[RIM] -= 1.0", "own[RIM] += 1.0", SLOPES,
-          "a rim that closes over a checker as it opens"),
-    Fault("adjoint", "adjoint/disk.py", "out[BALLS + 2 * ball + 1, 0] -= w", "out[BALLS + 2 * ball + 1, 0] += w",
-          SLOPES, "a ball that hides less of a disk as it grows"),
     Fault("lights", "quadrature/light_nodes.py", "    b.clear[q] = b.shining[q] = 0.0\n    return start, stop",
           "    b.clear[q] = b.shining[q] = 1.0\n    return start, stop", LIGHTS, "nodes beyond the last lit piece lit"),
     Fault("lights", "quadrature/light_nodes.py", "b.shining[i] *= ks * b.power[i]", "b.shining[i] = ks * b.power[i]",

@@ -7,15 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from symrender.adjoint import lobe_mass
-from symrender.adjoint import walls as adjoint_walls
-from symrender.adjoint.records import Place
 from symrender.chambers import leaf_rows, place, walls
 from symrender.chambers.records import NODES, Chart, Wall
 from symrender.chambers.work import work_arrays
-from symrender.jit.records import record, table
-from symrender.leaves import slopes, tangents, values
-from symrender.leaves.gleams import gleam, gleam_slopes
+from symrender.jit.records import table
+from symrender.leaves import values
+from symrender.leaves.gleams import gleam
 
 RNG = np.random.default_rng(11)
 ULP = 2.3e-16
@@ -69,16 +66,6 @@ def test_a_gleam_is_a_power() -> None:
         for n in (0.0, 1.0, 8.0, 5.5, 300.0, 5000.0):
             true = base**n
             assert gleam(base, n) == (0.0 if n * (1.0 - base) > 40.0 else pytest.approx(true, rel=4e-16 * max(1.0, n)))
-    assert gleam_slopes(0.5, 2.0) == pytest.approx((0.25, 1.0, 0.25 * math.log(0.5)), rel=1e-15)
-    assert gleam_slopes(-0.5, 2.0) == (0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("theta", [1e-4, 0.3, 1.2])
-def test_slopes_of_normalisers(theta: float) -> None:
-    for n in (0.0, 1.0, 48.5, 1e6):
-        _, by_cosine, by_n = slopes.log_normaliser_slopes(values.log_rim(theta), n)
-        _, by_theta = slopes.log_rim_slopes(theta)
-        assert (by_n, by_cosine * by_theta) == pytest.approx(lobe_mass.normaliser_slopes(n, theta), rel=1e-13)
 
 
 def chart_of(shape: int) -> Chart:
@@ -89,22 +76,6 @@ def chart_of(shape: int) -> Chart:
     chart.center, chart.point = RNG.normal(size=3), RNG.normal(size=3)
     chart.radius, chart.ratio, chart.height, chart.shape_index = 0.7, 0.4, 1.3, shape
     return chart
-
-
-def test_places_on_a_chart() -> None:
-    for _ in range(200):
-        chart, x, turn = chart_of(0), RNG.uniform(0.05, 1.5), RNG.uniform(0.0, 6.3)
-        c, s = math.cos(turn), math.sin(turn)
-        here = record(Place)
-        measure, _ = adjoint_walls.chart_place(x, c, s, chart, here)
-        across = values.chart_across(c, s, *chart.e1, *chart.e2)
-        found = np.array(tangents.sphere_sight_tangents(x, *across, *chart.pole, 0.7, 0.4))
-        assert found[9] == measure
-        assert np.abs(found[:9].reshape(3, 3) - here.at).max() < 4 * ULP
-        by_x, by_ratio, by_radius = found[10:].reshape(3, 10)
-        assert np.abs(by_x[:9].reshape(3, 3) - here.by_x).max() < 1e-14
-        assert np.abs(by_ratio[:9].reshape(3, 3) - here.by_chart).max() < 1e-14
-        assert np.abs(by_radius[:3] - here.by_radius).max() < 4 * ULP
 
 
 def test_a_shadow_on_a_line_is_the_double_cone() -> None:

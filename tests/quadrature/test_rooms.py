@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from quadrature.rooms import AT_HOME, SPHERES, elsewhere, places, room
-from symrender.adjoint.direct import direct_gradients
-from symrender.adjoint.point import gloss_gradients, slope_scene
 from symrender.quadrature.disk_direct import disk_direct
+from symrender.quadrature.disk_gradients import direct_gradients
+from symrender.quadrature.gloss_gradients import gloss_gradients, slope_scene, slope_work
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import MET
 from symrender.scene.arrays import FLOOR, SceneArrays, scene_arrays
@@ -113,8 +113,9 @@ def test_direct_slopes_of_a_disk_cut_by_planes_equal_differences() -> None:
         names = ["planes.w0.point.x", "planes.w0.normal.z", "planes.w1.normal.x", "lights.b.position.z"]
         arrays = scene_arrays(scene)
         still = np.zeros((len(names), *place.shape))
-        tangents = slope_scene(arrays, scene_moves(arrays, moves(scene, names)), 0).at((still, still, still))
-        slope, error = direct_gradients(arrays, place, normal, ray, surface, grey, still, tangents, 1e-7)
+        ready = slope_scene(arrays, scene_moves(arrays, moves(scene, names)), 0)
+        scratch, moving = slope_work(arrays, ready.split.lights), (still, still, still, still)
+        slope, error = direct_gradients(ready, place, normal, ray, surface, grey, moving, 1e-7, scratch)
 
         def light(
             name: str, by: float, scene: Scene = scene, given: tuple = (place, normal, ray, surface, grey)

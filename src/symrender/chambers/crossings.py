@@ -35,7 +35,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import held, moves, tangent
+from symrender.jit.moving import held, most, moves, tangent
 from symrender.jit.records import Table
 from symrender.scene.arrays import MARBLE
 
@@ -363,9 +363,9 @@ def hold_fast(events: Table[Event], n: int) -> None:
     for e in range(n):
         if events[e].kind != CROSSING:
             continue
-        speed, slower = abs(tangent(events[e].azimuth)), 0
+        speed, slower = most(abs(tangent(events[e].azimuth))), 0
         for i in range(n):
-            if FAST * abs(tangent(events[i].azimuth)) < speed:
+            if FAST * most(abs(tangent(events[i].azimuth))) < speed:
                 slower += 1
         if 2 * slower >= n:
             events[e].azimuth = held(events[e].azimuth)

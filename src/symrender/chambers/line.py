@@ -30,7 +30,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import moves, tangent
+from symrender.jit.moving import moves, rising, tangent
 from symrender.leaves.values import floor_reach
 
 Array = npt.NDArray[np.float64]
@@ -44,6 +44,8 @@ THIN = 1e-14
 """A stretch of a line shorter than this has no label."""
 NEAR = 1e-11
 """Length of a stretch of a line below which the walls at its ends are taken to coincide where they move."""
+WIDE = 1e-6
+"""Distance between a panel's lines from which on walls that all but coincide on one of them do not just cross there."""
 HALF_PI = 0.5 * math.pi
 
 
@@ -164,9 +166,9 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
 
 
 @inlined
-def move_apart(start: float, end: float) -> bool:
-    """Whether two walls that all but coincide on a line move apart."""
-    return abs(tangent(end) - tangent(start)) > PARTED * (abs(tangent(end)) + abs(tangent(start)))
+def move_apart(start: float, end: float) -> int:
+    """Whether two walls that all but coincide on a line move apart, a bit a tangent."""
+    return rising(abs(tangent(end) - tangent(start)) - PARTED * (abs(tangent(end)) + abs(tangent(start))))
 
 
 @inlined
@@ -189,7 +191,7 @@ def note_parted(cells: int, work: Work) -> None:
         wall = work.cell_wall[i]
         seen = (i < cells and work.cell_side[i] != HIDDEN) or (i > 0 and work.cell_side[i - 1] != HIDDEN)
         if wall >= 0 and seen and work.walls[wall // 4].parted != 0:
-            work.counts.parted = 1
+            work.counts.parted |= work.walls[wall // 4].parted
 
 
 @inlined
@@ -331,9 +333,10 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
-        if moves(start) and i < n and end - start < NEAR and move_apart(start, end):
+        if moves(start) and i < n and end - start < NEAR and work.chart.apart > WIDE:
             row = work.walls[work.root_id[i] // 4]
-            row.parted = max(row.parted, int(i == 0 or not touch_by_themselves(work.walls[wall // 4], row)))
+            if i == 0 or not touch_by_themselves(work.walls[wall // 4], row):
+                row.parted |= move_apart(start, end)
         if end - start > THIN:
             same = True
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:

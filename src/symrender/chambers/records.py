@@ -1,4 +1,7 @@
-"""The records of one point's work: the chart of a visible shape, its walls, its lights and what was found on it."""
+"""The records of one point's work: the chart of a visible shape, its walls, its lights and what was found on it.
+
+Long because every field says what it holds.
+"""
 
 from __future__ import annotations
 
@@ -36,15 +39,6 @@ class LightPoint(Record):
     beam: float
     cutoff: float
     spot: float
-
-
-class LightMove(Record):
-    """How a light point moves with a parameter: place, colour, and of an exact disk its radius and its frame's turn."""
-
-    position: Three
-    color: Three
-    radius: float
-    turn: Three
 
 
 class Chart(Record):
@@ -109,6 +103,11 @@ class Chart(Record):
     """How wide the curve of Beckmann's density is along the line at hand; 0 of other lobes."""
     pace: float
     """How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
+    swept: int
+    """1 + the wall whose motion across the line at hand weighs its nodes, else 0."""
+    swept_end: float
+    """The panel's end there."""
+    swept_sign: float
 
 
 class Wall(Record):
@@ -153,7 +152,7 @@ class Wall(Record):
     met: int
     """1 once a scan line met the wall inside the lobe."""
     parted: int
-    """Where numbers move: 1 if another wall coincides with it and moves otherwise."""
+    """Where numbers move: whether another wall coincides with it and moves otherwise, a bit for every tangent."""
     inner: int
     """1 for the inner edge of a penumbra."""
     disk: LightPoint
@@ -182,7 +181,10 @@ class Counts(Record):
     felt: int
     poles: int
     parted: int
-    """Where numbers move: 1 from where walls that coincide move apart on, as the derivative is then one of a side."""
+    """Where numbers move: from where walls that coincide move apart on, as the derivative is then one of a side, a bit
+    for every tangent."""
+    refused: int
+    """Where numbers move: 1 where a disk light is cut by a ball or seen edge-on, which has no derivative here."""
     limit: int
     """The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
 
@@ -318,11 +320,19 @@ class Notes(Record):
     mirror: Annotated[Array, 9]
     """Scratch of a mirror."""
     holds: float
-    """Where numbers move, of all charts: what panels that were looked at hold."""
-    changes: float
-    """The same of their tangents."""
+    """Where numbers move, of all charts: what panels that were looked at hold, and what their tangents do."""
     errs: float
     """What they may miss."""
+    heed: int
+    """1 where numbers move and rules are refined until slopes, too, are within the tolerance."""
+    stirs: int
+    """1 where slopes are heeded and anything of the scene moves but its spheres and what planes are made of."""
+    steady: int
+    """1 where slopes alone are asked and neither the point at hand nor its lobe moves."""
+    pace: float
+    """How fast numbers of the scene move at most, as tangents."""
+    quick: float
+    """How fast anything about the point at hand does, at least 1, and as tangents by each parameter."""
 
 
 class Aim(Record):

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from symrender.chambers.records import NODES, Nodes
 from symrender.jit.marks import jitable
+from symrender.jit.moving import is_moving
 from symrender.leaves.gleams import MOST_SQUARED
 
 
 @jitable
 def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
-    """``power`` = ``radix``^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. ``radix`` is used up."""
+    """``power`` = ``radix``^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. ``radix`` is used up.
+
+    An exponent that moves is no whole number a moment later.
+    """
     stop = min(stop, NODES)
     whole = int(min(exponent, MOST_SQUARED))
-    if whole != exponent:
+    if whole != exponent or is_moving(exponent):
         for i in range(start, stop):
             b.power[i] = b.radix[i] ** exponent
         return

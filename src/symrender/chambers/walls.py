@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import held, moves, tangent
+from symrender.jit.moving import held, moves, rising, tangent
 from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -101,15 +101,18 @@ def tangent_lines(a1: float, a2: float, sine: float) -> tuple[float, float, floa
 
 
 @inlined
-def part_ways(row: Wall, a0: float, a1: float, a2: float, cosine: float, sign: float) -> bool:
-    """Whether a circle that coincides with that of ``row``, of the opposite axis where ``sign`` is -1, moves off it."""
+def part_ways(row: Wall, a0: float, a1: float, a2: float, cosine: float, sign: float) -> int:
+    """Whether a circle that coincides with that of ``row``, of the opposite axis where ``sign`` is -1, moves off it.
+
+    A bit a tangent.
+    """
     apart, size = 0.0, abs(tangent(row.cos)) + abs(tangent(cosine))
     apart += abs(tangent(row.cos) - sign * tangent(cosine))
     for i in range(3):
         other = a0 if i == 0 else a1 if i == 1 else a2
         apart += abs(tangent(row.axis[i]) - sign * tangent(other))
         size += abs(tangent(row.axis[i])) + abs(tangent(other))
-    return apart > PARTED * size
+    return rising(apart - PARTED * size)
 
 
 @jitable
@@ -141,8 +144,8 @@ def add_circle(
             if min(same, flipped) < 1e-11:
                 if walls[i].tag != tag or walls[i].shape_index != shape:
                     walls[i].tag = SEVERAL
-                if moves(cosine) and part_ways(walls[i], a0, a1, a2, cosine, 1.0 if same <= flipped else -1.0):
-                    walls[i].parted = 1
+                if moves(cosine):
+                    walls[i].parted |= part_ways(walls[i], a0, a1, a2, cosine, 1.0 if same <= flipped else -1.0)
                 return count
     if count < walls.shape[0]:
         walls[count].kind = kind

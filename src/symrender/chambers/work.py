@@ -170,7 +170,7 @@ def begin_counts(limit: int, work: Work) -> None:
     counts.walls = counts.balls = counts.occluders = counts.casters = counts.cells = 0
     counts.labour = counts.evaluations = 0
     counts.chambers = counts.crossings = counts.spots = counts.highlights = 0
-    counts.parted, counts.limit = 0, limit
+    counts.parted, counts.refused, counts.limit = 0, 0, limit
 
 
 def scene_view(

@@ -33,23 +33,13 @@ class Rows:
 class Leaf:
     """One formula. ``results`` are its results' names, in order, a vector's with ``:3``.
 
-    ``slopes``: the arguments by which every result is differentiated, a reverse sweep a result. ``adjoint``: those
-    that one reverse sweep with a weight for every result pulls back to. ``tangents``: those one forward sweep each
-    differentiates all results by. ``pages``: whether pages have it too, as JavaScript and GLSL.
+    ``pages``: whether pages have it too, as JavaScript and GLSL.
     """
 
     formula: Formula
     results: tuple[str, ...]
-    slopes: tuple[str, ...] = ()
-    adjoint: tuple[str, ...] = ()
-    tangents: tuple[str, ...] = ()
     rows: Rows | None = None
     pages: bool = False
-
-    def __post_init__(self) -> None:
-        for argument in (*self.slopes, *self.adjoint, *self.tangents):
-            if argument not in self.arguments:
-                raise ValueError(f"{self.name}: no argument {argument}")
 
     @property
     def name(self) -> str:

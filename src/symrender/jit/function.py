@@ -1,6 +1,7 @@
 """Statements: one function of a kernel for one list of argument types, as LLVM IR text.
 
-The types of variables and of the result are found by writing the text again until they no longer change.
+The types of variables and of the result are found by writing the text again until they no longer change. Long because
+all statements share one state.
 """
 
 from __future__ import annotations

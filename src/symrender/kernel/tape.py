@@ -133,10 +133,6 @@ class Tape:
         simple = self._simple(operation, of)
         return self._add(operation, of, 0.0) if simple is None else simple
 
-    def part(self, call: Node, k: int) -> Node:
-        """Result ``k`` of an operation with several results."""
-        return self._add("part", (call,), float(k))
-
     def _add(self, operation: str, operands: tuple[Node, ...], detail: float | str) -> Node:
         order = tuple(x.index for x in operands)
         key = (operation, tuple(sorted(order)) if operation in _SWAP else order, detail)

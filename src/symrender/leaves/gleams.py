@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
-from symrender.jit.marks import inlined, jitable
+from symrender.jit.marks import jitable
+from symrender.jit.moving import is_moving
 
 MOST_SQUARED: Final = 4096.0
 """Whole exponents up to this one are taken by squaring, several times quicker than a general power."""
@@ -21,7 +21,7 @@ def gleam(base: float, exponent: float) -> float:
     if exponent * (1.0 - base) > FALLEN:
         return 0.0
     power = int(min(exponent, MOST_SQUARED))
-    if power != exponent:
+    if power != exponent or is_moving(exponent):
         return float(base**exponent)
     found = 1.0
     while power > 0:
@@ -30,13 +30,3 @@ def gleam(base: float, exponent: float) -> float:
         base *= base
         power //= 2
     return found
-
-
-@inlined
-def gleam_slopes(base: float, exponent: float) -> tuple[float, float, float]:
-    """(base^exponent, its slope in the base, that in the exponent); slopes are 0 where the base is not positive."""
-    if not base > 0.0:
-        return (0.0 if exponent > 0.0 else 1.0), 0.0, 0.0
-    log = math.log(base)
-    power = math.exp(exponent * log)
-    return power, exponent * power / base, power * log

@@ -47,6 +47,8 @@ OWN: Final = 5
 TURNS: Final = 16
 FLUSH: Final = 1e-14
 """A terminator within this share of the disk from the floor's line is that line."""
+EDGE_ON_MOVING: Final = 1e-9
+"""A disk as edge-on as that has no derivative here: the arcs of its cones are lost to rounding (``EDGE_ON``)."""
 EDGE_ON: Final = 1e-5
 """A disk whose plane passes Q within this share of its radius is cut by chords: generators of a cone that meet the
 disk are then so near each other that rounding moves their ends by 1e-16 over that share."""

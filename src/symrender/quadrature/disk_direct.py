@@ -15,12 +15,15 @@ from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.work import Frames, View, Work, begin_counts, scene_frames, scene_view, work_arrays
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import jitable
+from symrender.jit.moving import moved, moves
 from symrender.quadrature.disk_curves import TERMINATOR, disk_curves
 from symrender.quadrature.disk_node import TAME_LOG, chorded, is_tame
 from symrender.quadrature.disk_refined import SAFETY, refined_term
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.paces import felt, gap
+from symrender.quadrature.panel_rule import stretched
 from symrender.quadrature.split_line import kinked
 from symrender.scene.arrays import FIRST_SPHERE, OPEN, SceneArrays
 from symrender.settings import EXACT_DISK
@@ -108,8 +111,8 @@ def toleranced(
         first, second = compared_step(step, 0, view), compared_step(step, 1, view)
         d0, s0 = mean_over_disk(i, state, q, first, gleaming, view, work, table)
         d, s = mean_over_disk(i, state, q, second, gleaming, view, work, table)
-        change = SAFETY * (lambert * abs(d - d0) + shine * abs(s - s0))
-        if change <= tol:
+        change = SAFETY * (stretched(lambert) * gap(d - d0) + stretched(shine) * gap(s - s0))
+        if felt(change, work) <= tol:
             return d, s, change
         if state >= PARTLY:
             n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
@@ -166,7 +169,7 @@ def disks_at(
             continue
         if inside:
             # a wall of a ball from within is no chart's: no value is claimed
-            return math.inf
+            return moved(math.inf, math.inf) if moves(qx) else math.inf
         begin_counts(MOST_LABOUR, work)
         cast_by_all(i, j, view, work)
         state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
@@ -181,12 +184,19 @@ def disks_at(
         d, s, change = toleranced(i, state, q, step, lambert, ks * most, share, view, work, table)
         for c in range(3):
             direct[c] += view.shading.kd * albedo[c] * p.color[c] * d + ks * p.color[c] * s
-        error += change + ROUNDING * (lambert + ks * most)
+        if moves(change):
+            # what the light of the disk changes by is rounded, too
+            error += change + ROUNDING * (stretched(lambert) + stretched(ks * most))
+            if work.counts.refused != 0:
+                return moved(math.inf, math.inf)
+        else:
+            error += change + ROUNDING * (lambert + ks * most)
     return error
 
 
 @functools.lru_cache(maxsize=1)
-def _kernel() -> Any:
+def direct_compiled() -> Any:
+    """``direct_kernel``, compiled."""
     return compiled(direct_kernel, _nrt=False)
 
 
@@ -213,7 +223,7 @@ def disk_direct(
     n = len(points)
     direct, error = np.zeros((n, 3)), np.zeros(n)
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
-    _kernel()(
+    direct_compiled()(
         *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), tol,
         view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((3, 3)),
         scene_frames(arrays, view), direct, error,

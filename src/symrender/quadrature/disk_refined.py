@@ -23,6 +23,7 @@ from symrender.quadrature.disk_chords import chord_breaks, place_crossings, plac
 from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.disk_term import highlight_lean
 from symrender.quadrature.light_term import light_term
+from symrender.quadrature.paces import felt, gap
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -213,10 +214,14 @@ def refined_chord(
             middle = 0.5 * (u0 + u1)
             d0, s0 = piece_sum(u0, middle, first, last, bent, b, frame, p, q, gleam, gauss)
             d1, s1 = piece_sum(middle, u1, first, last, bent, b, frame, p, q, gleam, gauss)
-            change = (abs(d0 + d1 - d) if above else 0.0) + (abs(s0 + s1 - s) if gleam.asked else 0.0)
+            change = (gap(d0 + d1 - d) if above else 0.0) + (gap(s0 + s1 - s) if gleam.asked else 0.0)
             a0, a1 = along(u0, first, last, bent), along(u1, first, last, bent)
             narrow = gleam.asked and a1 - a0 > sought.apart and tol < panel_shines(b, b, a0, a1, 1, frame, p, q, gleam)
-            if (narrow or change > tol * (u1 - u0) * (last - first)) and deep < DEEPEST and left + 2 <= stack.shape[0]:
+            if (
+                (narrow or felt(change, work) > tol * (u1 - u0) * (last - first))
+                and deep < DEEPEST
+                and left + 2 <= stack.shape[0]
+            ):
                 stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3] = u0, middle, d0, s0
                 stack[left + 1, 0], stack[left + 1, 1], stack[left + 1, 2], stack[left + 1, 3] = middle, u1, d1, s1
                 stack[left, 4] = stack[left + 1, 4] = deep + 1.0
@@ -268,14 +273,14 @@ def panels_sum(
         d0, h0, e0 = panel_sum(b0, b1, c0, middle, sought, p, q, gleam, view, work, gauss)
         d1, h1, e1 = panel_sum(b0, b1, middle, c1, sought, p, q, gleam, view, work, gauss)
         chords += 2 * ORDER
-        change = abs(d0 + d1 - d) + (abs(h0 + h1 - h) if gleam.asked else 0.0)
+        change = gap(d0 + d1 - d) + (gap(h0 + h1 - h) if gleam.asked else 0.0)
         low = b0 + (b1 - b0) * math.sin(0.5 * math.pi * c0) ** 2
         high = b0 + (b1 - b0) * math.sin(0.5 * math.pi * c1) ** 2
         wide = math.sqrt(max(0.0, 1.0 - min(abs(low), abs(high)) ** 2)) if low * high > 0.0 else 1.0
         narrow = gleam.asked and high - low > sought.apart and tol < panel_shines(
             low, high, -wide, wide, BOXES, frame, p, q, gleam
         )  # fmt: skip
-        if narrow or change > tol * (c1 - c0):
+        if narrow or felt(change, work) > tol * (c1 - c0):
             room = chords < MOST_CHORDS and left + 2 <= panels.shape[0]
             if deep < DEEPEST and room and not is_spent(work):
                 panels[left, 0], panels[left, 1], panels[left, 2], panels[left, 3] = c0, middle, d0, h0

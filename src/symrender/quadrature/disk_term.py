@@ -19,9 +19,10 @@ from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import moves
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
-from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
+from symrender.quadrature.disk_curves import BALL, EDGE_ON, EDGE_ON_MOVING, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_points import whole_disk
 from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
 from symrender.scene.arrays import OPEN, PHONG
@@ -123,6 +124,11 @@ def listed_term(
     if n > 0:
         log_rho = min(log_rho, rim_log(p, yx, yy, yz))
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON
+    if moves(yx) and n > 0:
+        # chords end where slopes are like an inverse root
+        edge_on = elevation(p, yx, yy, yz) < EDGE_ON_MOVING
+        for k in range(n):
+            work.counts.refused = max(work.counts.refused, int(edge_on or work.curves[k].bounds >= BALL))
     for k in range(n):
         if edge_on or work.curves[k].bounds >= BALL:
             cosine, gleam = chord_term(p, n, lifted or banded, q, step, log_rho, view, work, gauss)

@@ -32,7 +32,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
 from symrender.jit.moving import brightest, held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.leaves import slopes, values
+from symrender.leaves import values
 from symrender.quadrature.conic_places import meetings, point_of_wave, straight_parts, wall_direction
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.glow_nodes import glow_at
@@ -195,7 +195,8 @@ def along_straight(
     """(x, y, left, swing) of the place ``begin`` out on the line (mx, my) + s (tx, ty) that a wall tends to."""
     cell = view.floor.cell
     x, y = mx + begin * tx, my + begin * ty
-    level, _, _, _, _, _, _, gx, gy = slopes.conic_level_slopes(row.xx, row.xy, row.yy, row.x, row.y, row.free, x, y)
+    level = values.conic_level(row.xx, row.xy, row.yy, row.x, row.y, row.free, x, y)
+    gx, gy = 2.0 * (row.xx * x + row.xy * y + row.x), 2.0 * (row.xy * x + row.yy * y + row.y)
     steep = gx * gx + gy * gy
     if steep == 0.0:
         return x, y, 0.0, 0.0
@@ -361,13 +362,13 @@ def remainders_of(
 
 
 @inlined
-def tail_of_squares(rows: Table[Remainder], n: int, foot: float = 0.0) -> float:
-    """Estimate of what ``n`` places leave of the deviation, in its units; ``foot``: how fast the point's foot moves."""
+def tail_of_squares(rows: Table[Remainder], n: int, foot_x: float = 0.0, foot_y: float = 0.0) -> float:
+    """Estimate of what ``n`` places leave of the deviation, in its units, of a point that has its foot there."""
     total = 0.0
     for k in range(n):
         if moves(rows[k].left):
             # a wave turns as its place runs over the checker
-            speed = abs(tangent(rows[k].x)) + abs(tangent(rows[k].y)) + foot
+            speed = abs(tangent(rows[k].x)) + abs(tangent(rows[k].y)) + abs(tangent(foot_x)) + abs(tangent(foot_y))
             total += moved(held(rows[k].left), speed * held(rows[k].swing))
         else:
             total += rows[k].left

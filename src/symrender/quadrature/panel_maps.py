@@ -22,6 +22,7 @@ from symrender.chambers.work import Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held
 from symrender.jit.records import Table
+from symrender.quadrature.paces import unseen_panel
 from symrender.quadrature.records import Panel
 
 Array = npt.NDArray[np.float64]
@@ -249,7 +250,8 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
         p.roots[0] = p.roots[1] = p.blind = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
-        p.bound = p.error = held(panel_bound(a, b, work.chart))
+        p.bound = held(panel_bound(a, b, work.chart))
+        p.error = unseen_panel(a, b, held(p.bound), work)
         p.inside = p.settled = 0
         p.logarithm = int(touches_root(held(a), held(b), work))
         p.foreign = math.nan

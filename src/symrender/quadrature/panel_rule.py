@@ -12,7 +12,7 @@ from symrender.chambers.events import ROOT
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
 from symrender.chambers.lobes.record import CONDUCTOR
-from symrender.chambers.lobes.width import broken_rim
+from symrender.chambers.lobes.width import blunt_rim, broken_rim
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
@@ -112,12 +112,12 @@ def steepest(x: float, y: float, z: float) -> float:
 @inlined
 def rule_error(
     p: Panel, n: int, step: int, last: float, before: float, middle: float, lower: float, size: float, bound: float,
-    thin: float, dense: float, uneven: bool, view: View, work: Work,
+    thin: float, dense: float, uneven: bool, of_slopes: bool, view: View, work: Work,
 ) -> float:  # fmt: skip
     """Error of a panel's rule of ``n`` lines by the last coefficients across them.
 
-    Of what the panel holds, and where numbers move of what that changes by: coefficients, ``size``, ``bound`` and
-    ``thin`` are then of the tangents. Arguments are many because they are asked of both.
+    Of what the panel holds, or ``of_slopes``, of what that changes by: coefficients, ``size``, ``bound`` and ``thin``
+    are then of the tangents. Arguments are many because they are asked of both.
     """
     if step == 0:
         return max(bound, 10.0 * size * dense)
@@ -131,7 +131,13 @@ def rule_error(
     top = max(last, 0.5 * before)
     known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
     # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
-    known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
+    rooted = share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n))
+    if of_slopes:
+        # ends of cells move past it by one power less, and blunt ends have slopes without a bound
+        rooted *= 2.0 * n
+        if blunt_rim(work.chart.lobe):
+            known = max(known, last, 0.5 * before)
+    known = max(known, rooted)
     # where a wall and a pole cross, coefficients may be small by chance
     known = max(known, held(p.crossed_share) * size * math.exp(-2.0 * n * held(p.crossed)) / (2.0 * n))
     if p.logarithm != 0 or kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
@@ -168,14 +174,14 @@ def panel_error(
         largest(falls.lower),
     )
     error = rule_error(
-        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
+        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, False, view, work
     )
     if moves(error):
         rate = tangent(size) / max(held(size), 1e-300)
         missed = rule_error(
             p, n, step, steepest(*falls.last), steepest(*falls.before), steepest(*falls.middle),
-            steepest(*falls.lower), tangent(size), rate * held(p.bound), rate * held(thin), held(dense), uneven, view,
-            work,
+            steepest(*falls.lower), tangent(size), rate * held(p.bound), rate * held(thin), held(dense), uneven, True,
+            view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
     return error

@@ -78,6 +78,8 @@ def split_span(
     if not width > 0.0:
         return n
     inset = 1e-9 * width
+    # lines of a search may lie as near to a crossing as they like
+    work.chart.apart = 0.0
     top = 0
     # rightmost span lies deepest, so panels come out from left to right
     right = b - inset

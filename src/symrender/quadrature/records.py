@@ -14,7 +14,7 @@ class Panel(Record):
     roots: Two
     """How far beyond an end of kind ``ROOT`` its square root begins: 0, or little."""
     step: int
-    """Of the last rule, -1 before any; -2 marks a free row while panels are replayed."""
+    """Of the last rule, -1 before any."""
     value: Three
     error: float
     log_rho: float
@@ -41,8 +41,6 @@ class Panel(Record):
     """Lines that no highlight felt in the panel can pass between."""
     logarithm: int
     """1 where at an end the line integral goes as the distance times its logarithm: coefficients fall slowly."""
-    missed: float
-    """While panels are replayed, the error of the panel that this one is a half of; 0 if it is none."""
 
 
 class Span(Record):

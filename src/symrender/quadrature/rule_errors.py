@@ -16,9 +16,10 @@ from symrender.chambers.records import Notes
 from symrender.chambers.walls import PARTED
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.moving import held, moved, moves, rising, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.line_errors import tail_error
+from symrender.quadrature.paces import SAFETY
 from symrender.quadrature.records import Conic
 from symrender.scene.arrays import CHECKER, STRIPES
 
@@ -36,15 +37,19 @@ ALIGNED: Final = 1e-9
 def slope_error(total: float, value: Array, notes: Notes) -> float:
     """The error of a point, its tangent that of the value's tangent: what the rules say of it, and what they left out.
 
-    What was not looked at is taken to change ``RATE`` times as fast, beside what it holds, as what was. ``value``
-    gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number, and as the tangent of
-    that what was not looked at.
+    Unless its slopes were heeded, what was not looked at is taken to change ``RATE`` times as fast, beside what it
+    holds, as what was. ``value`` gets what was not looked at as its fourth number, and as the tangent of that the sum
+    of the magnitudes that the tangents of panels are sums of.
     """
-    rate = RATE * held(notes.changes) / max(held(notes.holds), 1e-300)
     steep = max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2])))
+    missed = ROUNDED_SLOPE * steep
     unseen = max(0.0, held(total) - held(notes.errs))
-    value[3] = moved(max(held(notes.changes), steep), unseen)
-    return moved(held(total), tangent(total) + rate * unseen + ROUNDED_SLOPE * steep)
+    if notes.heed != 0:
+        missed += SAFETY * tangent(total)
+    else:
+        missed += tangent(total) + RATE * tangent(notes.holds) / max(held(notes.holds), 1e-300) * unseen
+    value[3] = moved(unseen, max(tangent(notes.holds), steep))
+    return moved(held(total), missed)
 
 
 @inlined
@@ -95,5 +100,5 @@ def note_parted_lines(conics: Table[Conic], count: int, view: View, work: Work) 
             place = foot - 0.5 * row.free / (steep * cell)
             turn, size = abs(tangent(across / steep)), abs(tangent(foot)) + abs(tangent(place - foot))
             away = abs(place - math.floor(held(place) + 0.5))
-            if away < ALIGNED and (abs(tangent(place)) > PARTED * size or turn > PARTED):
-                work.counts.parted = 1
+            if away < ALIGNED:
+                work.counts.parted |= rising(max(abs(tangent(place)) - PARTED * size, turn - PARTED))

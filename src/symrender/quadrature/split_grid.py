@@ -30,6 +30,7 @@ from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, 
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
+from symrender.quadrature.paces import felt, left_out
 from symrender.quadrature.row_levels import is_metal, levels_span
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_scratch import SplitWork
@@ -253,18 +254,19 @@ def grid_once(
         half = 0.5 * side
         bound, span, near = block_bound(x, y, side, reach, light, lobe, view, chart)
         bound = held(bound)
-        if bound <= aim / (1.0 + near / cell):
-            error += bound
+        beside = left_out(bound, work)
+        if felt(beside, work) <= aim / (1.0 + near / cell):
+            error += beside
             unseen += bound
             continue
         ratio = span / side
         work.counts.labour += 1
         if is_spent(work):
-            error += bound
+            error += beside
             unseen += bound
             continue
         quarter = ratio < 0.8
-        miss, lost = bound, 0.0
+        miss, lost = beside, 0.0
         for t in range(9):
             part[t] = 0.0
         if not quarter:
@@ -286,16 +288,16 @@ def grid_once(
                 if not quarter:
                     miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)
                     # more nodes are cheaper than quarters, which need as many each
-                    while miss > aim and n < MAX_BLOCK_ORDER:
+                    while felt(miss, work) > aim and n < MAX_BLOCK_ORDER:
                         n = min(MAX_BLOCK_ORDER, n + 2)
                         miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)
-                    quarter = miss > 3.0 * aim
+                    quarter = felt(miss, work) > 3.0 * aim
             elif level > 0:
                 quarter = True
             elif not quarter:
                 square = Square(x, y, side, step, span, reach, aim, bound, crossing, crossings)
                 miss, lost = cut_square(square, ground, scratch, part)
-                quarter = miss > 10.0 * aim and side > SMALLEST_CUT * cell
+                quarter = felt(miss, work) > 10.0 * aim and side > SMALLEST_CUT * cell
         if quarter and side > SMALLEST * cell and top + 4 <= blocks.shape[0]:
             top = push_quarters(x, y, side, level, blocks, top)
             continue
@@ -346,23 +348,24 @@ def split_grid(
             tail = tail_of_squares(
                 remainders,
                 remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
-                abs(tangent(px)) + abs(tangent(py)),
+                px,
+                py,
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > most
-        if out_of_budget and change > 0.3 * tol:
+        if out_of_budget and felt(change, work) > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0
         change += tail
-        if error + change < found:
+        if felt(error + change, work) < felt(found, work):
             found, dark = error + change, unseen
             for t in range(3):
                 best[t] = out[t]
-        if error + change + beyond <= tol or out_of_budget:
+        if felt(error + change, work) + held(beyond) <= tol or out_of_budget:
             break
-        if change > 0.3 * tol and reach < MOST_REACH * cell:
+        if felt(change, work) > 0.3 * tol and reach < MOST_REACH * cell:
             reach = far = min(2.0 * reach, MOST_SQUARES * cell)
-        elif error > 0.7 * tol:
-            aim *= max(0.05, 0.4 * tol / error)
+        elif felt(error, work) > 0.7 * tol:
+            aim *= max(0.05, 0.4 * tol / felt(error, work))
         else:
             break
     # the sign of the lowest square of all; marble has its own
@@ -370,4 +373,4 @@ def split_grid(
     sign = 1.0 if kind == MARBLE or (ci + (0 if kind == STRIPES else cj)) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
-    return found + held(beyond), dark + held(beyond)
+    return found + left_out(beyond, work), dark + held(beyond)

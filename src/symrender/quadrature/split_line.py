@@ -25,7 +25,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import held
+from symrender.jit.moving import moves
 from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, nodes, order
 from symrender.quadrature.glow_nodes import add_glows
@@ -33,6 +33,8 @@ from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.line_errors import piece_error
 from symrender.quadrature.line_poles import cell_log, find_poles
 from symrender.quadrature.node_rows import begin_sums, shine, sines, whole_vectors
+from symrender.quadrature.paces import left_out
+from symrender.quadrature.swept_nodes import weigh_by_speed
 from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -252,6 +254,8 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
             b.toward[2, i] = -cb * gz - sb * ez
     lean_line(m, c, s, chart, b, view.conductors)
     densities(m, FALLS[step], b, chart.lobe, view.conductors)
+    if moves(c) and chart.swept != 0:
+        weigh_by_speed(m, c, s, work)
 
 
 @inlined
@@ -349,7 +353,7 @@ def integrate_cells(phi: float, step: int, view: View, work: Work, gauss: Array,
             n, start, stop = row.count, row.start, row.stop
             at_rim = rim and (start == work.cell_from[0] or stop == work.cell_to[work.counts.cells - 1])
             holds, miss = piece_error(row, b, blunt or at_rim or (faint and stop > AT_HORIZON), gauss)
-            miss += held(row.unseen)
+            miss += left_out(row.unseen, work)
             tame = miss <= promise * (holds + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
@@ -364,5 +368,5 @@ def integrate_cells(phi: float, step: int, view: View, work: Work, gauss: Array,
                 green += b.radiance[1, i]
                 blue += b.radiance[2, i]
             size += holds
-            error += miss + held(row.doubt)
+            error += miss + left_out(row.doubt, work)
     out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak

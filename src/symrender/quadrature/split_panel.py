@@ -27,9 +27,10 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work, is_crowded, is_spent
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.moving import held, moved, moves, rising, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER
+from symrender.quadrature.paces import felt, left_out, unseen_panel
 from symrender.quadrature.panel_maps import (
     MAX_FIRST,
     add_panel,
@@ -37,6 +38,7 @@ from symrender.quadrature.panel_maps import (
 )
 from symrender.quadrature.panel_rule import evaluate_panel, panel_order, rough_panel
 from symrender.quadrature.panel_search import SPARE, split_span
+from symrender.quadrature.radial_walls import sweep_radial_walls
 from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.rule_errors import RATE
 
@@ -130,20 +132,20 @@ def leave_points(tol: float, work: Work) -> float:
     tangencies would draw lines as if it were a wall. What is in it is then taken for what is around it.
     """
     chart, walls = work.chart, work.walls
-    left_out, kept = 0.0, 0
+    dropped, kept = 0.0, 0
     for i in range(work.counts.walls):
         row = walls[i]
         if row.kind == NORMAL and row.sin < TOUCH and chart.shape_index >= 0:
             across = row.sin / max(nearest_of(row, chart), 1e-300)
             holds = 2.0 * held_at_most(math.pi * across * across, chart)
-            if left_out + holds < POINTS * tol:
-                left_out += holds
+            if dropped + holds < POINTS * tol:
+                dropped += holds
                 continue
         if kept < i:
             walls[kept] = row
         kept += 1
     work.counts.walls = kept
-    return left_out
+    return dropped
 
 
 @jitable
@@ -181,7 +183,8 @@ def follow_ends(
         p = panels[i]
         width = held(p.ends[1] - p.ends[0])
         apart = abs(tangent(p.ends[1]) - tangent(p.ends[0]))
-        if p.step >= 0 or not apart * held(work.notes.holds) > RATE * held(work.notes.changes) * width:
+        holding, changing = held(work.notes.holds), tangent(work.notes.holds)
+        if p.step >= 0 or rising(apart * holding - RATE * changing * width) == 0:
             continue
         holds = held(p.error)
         evaluate_panel(p, 1, view, work, gauss, events, many, out, scratch)
@@ -207,28 +210,29 @@ def first_panels(
 
 
 @inlined
-def panel_share(tol: float, panels: Table[Panel], n: int) -> float:
+def panel_share(tol: float, panels: Table[Panel], n: int, work: Work) -> float:
     """What each panel that is still looked at may err by; -1 where all of them together err by less than ``tol``."""
     total, accepted, open_panels = 0.0, 0.0, 0
     for i in range(n):
-        total += panels[i].error
+        total += felt(panels[i].error, work)
     if SAFETY * total <= tol:
         return -1.0
     share = 0.5 * tol / (SAFETY * max(1, n))
     for i in range(n):
-        if panels[i].error <= share or panels[i].settled != 0.0:
-            accepted += panels[i].error
+        missed = felt(panels[i].error, work)
+        if missed <= share or panels[i].settled != 0.0:
+            accepted += missed
         else:
             open_panels += 1
     return max(share, 0.7 * (tol / SAFETY - accepted) / max(1, open_panels))
 
 
 @inlined
-def next_step(p: Panel, share: float) -> int:
+def next_step(p: Panel, share: float, work: Work) -> int:
     """The step of the rule that may bring a panel's error down to ``share``, or as many as there are."""
     step = p.step
     need = step + 1
-    holds = p.error if step > 0 else 10.0 * p.per_radian * (p.ends[1] - p.ends[0])
+    holds = felt(p.error if step > 0 else 10.0 * p.per_radian * (p.ends[1] - p.ends[0]), work)
     if step < 0 and (p.inside > 0.0 or holds > 3.0 * share or p.glare > MAX_FIRST):
         need = 1
     if p.inside == 0.0 and need > 0:
@@ -287,8 +291,7 @@ def note_slopes(panels: Table[Panel], n: int, notes: Notes) -> None:
         p = panels[i]
         if p.step >= 0:
             width = held(p.ends[1] - p.ends[0])
-            notes.holds += held(p.per_radian) * width
-            notes.changes += tangent(p.per_radian) * width
+            notes.holds += moved(held(p.per_radian) * width, tangent(p.per_radian) * width)
             notes.errs += SAFETY * held(p.error) if p.step > 0 else 0.0
 
 
@@ -297,40 +300,44 @@ def split_chart(
     tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events:
     Table[Event], scratch: Array, value: Array,
 ) -> tuple[float, int]:  # fmt: skip
-    """Add the charted shape's integral to ``value``; returns (error estimate, panels that stayed unresolved)."""
+    """Add the charted shape's integral to ``value``; returns (error estimate, panels that stayed unresolved).
+
+    Long because one loop decides what becomes of every panel.
+    """
     low, high = line_range(work.chart)
     if not low < high:
         return 0.0, 0
     work.chart.fine = FINE * tol / (SAFETY * max(1e-300, work.chart.bright))
     bound = held(SAFETY * panel_bound(low, high, work.chart))
-    if bound < 0.1 * tol:
-        return bound, 0
+    beside = left_out(bound, work)
+    if felt(beside, work) < 0.1 * tol:
+        return beside, 0
     if is_crowded(work):
         # a wall that nobody knows of may run through any line
         return moved(bound, math.inf) if moves(low) else bound, 0
     points = leave_points(tol, work)
     sender = sender_of(view, work.chart)
     if sender >= 0:
-        left_out = find_sent(tol, low, high, sender, view, work)
+        hidden = find_sent(tol, low, high, sender, view, work)
     else:
-        left_out = find_highlights(tol, low, high, view, work)
+        hidden = find_highlights(tol, low, high, view, work)
     n, m = first_panels(low, high, view, work, panels, events)
     out = work.notes.panel
     bad = 0
     for turn in range(TURNS):
-        share = panel_share(tol, panels, n)
+        share = panel_share(tol, panels, n, work)
         if share < 0.0 or is_spent(work):
             break
         for i in range(n):
             p = panels[i]
-            if p.error <= share or p.settled != 0.0:
+            if felt(p.error, work) <= share or p.settled != 0.0:
                 continue
             step, width = p.step, p.ends[1] - p.ends[0]
             if step < 0:
                 p.inside = inside(p, events, m)
             if p.inside > 0.0 and n + p.inside + 2 < panels.shape[0]:
                 # events are known inside: cut there, unless a few lines may be enough
-                if step > 0 or p.error > MUCH * share:
+                if step > 0 or felt(p.error, work) > MUCH * share:
                     n = cut_panel(p, i, events, m, work, panels, n)
                     continue
             elif step > 0 and p.foreign == p.foreign:
@@ -339,12 +346,12 @@ def split_chart(
                     n = search_beside(p, view, work, panels, n, spans, ids, scratch)
                 elif width > 1e-8:
                     # no room for its parts, and one line tells little of so wide a panel
-                    p.error, p.settled = p.bound, 1
+                    p.error, p.settled = unseen_panel(p.ends[0], p.ends[1], held(p.bound), work), 1
                 else:
                     rough_panel(p, view, work, gauss, scratch)
                     bad += 1
                 continue
-            need = next_step(p, share)
+            need = next_step(p, share, work)
             if need >= len(LEVELS):
                 # parts that no turn is left to look at would state all that they may hold
                 late = step > 0 and turn >= LATE
@@ -359,13 +366,15 @@ def split_chart(
             if out[3] == math.inf:
                 break
             accept_rule(p, need, foreign, out)
-    error = held(left_out) + held(points) + held(rounded_walls(work))
+    error = left_out(held(hidden) + held(points) + held(rounded_walls(work)), work)
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
     if moves(error):
+        sweep_radial_walls(panels, n, view, work, gauss, scratch, value)
         note_slopes(panels, n, work.notes)
-        follow_ends(panels, n, view, work, gauss, events, m, out, scratch)
+        if work.notes.heed == 0:
+            follow_ends(panels, n, view, work, gauss, events, m, out, scratch)
     for i in range(n):
         p = panels[i]
         value[0] += p.value[0]

@@ -21,16 +21,16 @@ from symrender.chambers.work import (
 )
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import inlined
-from symrender.jit.moving import brightest, held, moves
+from symrender.jit.moving import brightest, held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.fall_off import is_radiometric
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
+from symrender.quadrature.paces import come_in, is_steady, note_pace, steady_rim
 from symrender.quadrature.rule_errors import slope_error
 from symrender.quadrature.split_scene import SplitScene, refuse_conductors, split_scene
 from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
-    EVENT,
     MET,
     NEAR_TANGENT,
     UNSUPPORTED,
@@ -47,6 +47,8 @@ from symrender.scene.radiometric.records import Light as Beam
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+STATES: Final = 8
+"""More than there are states of a point."""
 ROUNDED: Final = 4e-16
 """Relative error of the base of a highlight."""
 
@@ -85,9 +87,12 @@ def aim_lobe(i: int, lobes: Array, places: Places, view: View, s: SplitWork, ask
     """
     lobe, chart = s.work.notes.lobe, s.work.chart
     normal, surface = places.normals[i], places.surface[i]
-    n, theta_max = lobes[surface, 0], max(lobes[surface, 1], NARROWEST)
+    n, theta_max = lobes[surface, 0], come_in(max(lobes[surface, 1], NARROWEST))
     falling = is_radiometric(view) or view.glows is not None
-    total = held(lobe_setup(n, theta_max, 0.0 if falling else asked.tol, asked.bound, chart.lobe) * asked.bound)
+    if moves(n) and s.work.notes.heed != 0:
+        total = steady_rim(n, theta_max, s.work.notes.quick, view.shading.shininess, asked.tol, asked.bound, chart.lobe)
+    else:
+        total = held(lobe_setup(n, theta_max, 0.0 if falling else asked.tol, asked.bound, chart.lobe) * asked.bound)
     if falling:
         end_at_horizon(normal, lobe, chart.lobe)
     conductor = is_conductor(surface, view.conductors)
@@ -152,7 +157,10 @@ def gloss_kernel(
             found.evaluations[i], found.chambers[i], found.crossings[i] = work.counts.evaluations, 1, 0
             found.status[i] = MET if largest <= asked.tol else CAPPED
             continue
-        notes.holds = notes.changes = notes.errs = 0.0
+        notes.holds = notes.errs = 0.0
+        if moves(point[0]) and notes.heed != 0:
+            note_pace(point, normal, lobe, work)
+            notes.steady = int(is_steady(point, normal, lobe, lobes[surface, 0], lobes[surface, 1]))
         share, total = aim_lobe(i, lobes, places, view, s, asked)
         for a in range(3):
             value[a] = view.shading.background[a] * share
@@ -176,8 +184,13 @@ def gloss_kernel(
             total = reflect_sharply(own, view, frames, s, total, value)
         # nothing in the scene is brighter than the bound, so no error is larger
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
-        total = min(total + held(1e-15 + (1e-15 + powers) * largest), asked.bound + largest)
-        total = slope_error(total, value, notes) if moves(total) else total
+        rounded = held(1e-15 + (1e-15 + powers) * largest)
+        if moves(total):
+            total = slope_error(
+                moved(min(held(total) + rounded, asked.bound + held(largest)), tangent(total)), value, notes
+            )
+        else:
+            total = min(total + rounded, asked.bound + largest)
         found.error[i] = total
         found.evaluations[i] = work.counts.evaluations
         found.chambers[i] = work.counts.chambers
@@ -187,8 +200,11 @@ def gloss_kernel(
             # what is no number is no value either
             found.error[i] = total if total == total else math.inf
             found.status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
-        if moves(total) and work.counts.parted != 0:
-            found.status[i] = EVENT
+        if moves(total):
+            # a bit for every tangent that is one-sided
+            found.status[i] += STATES * work.counts.parted
+            if work.counts.refused != 0:
+                found.error[i], found.status[i] = moved(math.inf, math.inf), UNSUPPORTED
 
 
 @functools.lru_cache(maxsize=1)

@@ -69,7 +69,7 @@ def place_point(
         lobe[a] /= math.sqrt(size)
     chart.home = home
     enter_room(view, work)
-    chart.pace = 1.0
+    chart.pace, chart.swept = 1.0, 0
 
 
 @inlined

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +13,14 @@ from symrender.chambers.cones import put_cones
 from symrender.chambers.jumps import put_jumps
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.setup import weigh_by_cosine
+from symrender.chambers.lobes.width import fastest_fall
 from symrender.chambers.rooms import in_a_plane
-from symrender.chambers.work import Frames, View
-from symrender.jit.marks import jitable
-from symrender.jit.moving import brightest, held, moves
+from symrender.chambers.work import Frames, View, Work
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import brightest, held, moved, moves, rising, tangent
 from symrender.quadrature.fall_off import chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
+from symrender.quadrature.paces import is_still, outline, set_pace
 from symrender.quadrature.panel_rule import stretched
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_panel import split_chart
@@ -27,6 +29,11 @@ from symrender.quadrature.split_setup import floor_strips, spare_share, sphere_s
 from symrender.scene.arrays import BRDF_NORMALISED, SOLID
 
 Array = npt.NDArray[np.float64]
+
+LEVEL: Final = 1e-15
+"""Height of a light over its distance from the point's foot up to which it lies in a plane, but for rounding."""
+FAINT: Final = 1e-4
+"""Share of the tolerance below which slopes of a whole sphere are left out."""
 
 
 class Asked(NamedTuple):
@@ -74,7 +81,15 @@ def add_ball(
     # all of the shape, at the lobe's largest density on it
     gap = max(0.0, chart.lobe_beta - chart.beta_max)
     most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * asked.bound
-    if gap < 1.5 and most < min(0.1, part) * asked.tol:
+    if moves(most) and work.notes.heed != 0:
+        set_pace(work)
+        # how fast the lobe falls over the shape, too
+        most, steep = held(most), held(fastest_fall(gap, chart.lobe) + outline(chart))
+        if gap < 1.5 and most * steep * held(work.notes.quick) < FAINT * asked.tol:
+            return moved(most, most * steep * tangent(work.notes.quick)), 0
+        if is_still(view, work):
+            return 0.0, 0
+    elif gap < 1.5 and most < min(0.1, part) * asked.tol:
         return held(most), 0
     put_cones(view, work)
     put_jumps(view, work)
@@ -82,6 +97,17 @@ def add_ball(
     chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
     spare = max(part * (asked.tol - total), min(0.05, part) * asked.tol)
     return split_chart(spare, view, work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, value)
+
+
+@inlined
+def note_level_lights(framed: View, work: Work) -> None:
+    """Note what lifts a point light off the plane in which it lies: all of the plane is lit from there on."""
+    for i in range(framed.points.shape[0]):
+        light = framed.points[i]
+        if moves(light.radius):
+            reach = abs(light.position[0]) + abs(light.position[1])
+            if not light.radius > 0.0 and abs(light.position[2]) <= LEVEL * reach:
+                work.counts.parted |= rising(abs(tangent(light.position[2])))
 
 
 @jitable
@@ -97,10 +123,15 @@ def add_plane(
     if view.shading.units == BRDF_NORMALISED:
         weigh_by_cosine(chart.normal, chart.lobe)
     front = work.room[k] > 0.0
+    if front:
+        note_level_lights(frames.views[k], work)
     if not front and brightest(view.shading.background) == 0.0:
         return total, left, 0
     framed = frames.views[k]
     floor_chart(k, own, axis, framed, work)
+    if moves(total) and is_still(framed, work):
+        return total, left, 0
+    set_pace(work)
     put_cones(framed, work)
     put_jumps(framed, work)
     floor_strips(framed, work)

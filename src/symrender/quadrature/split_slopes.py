@@ -16,8 +16,9 @@ from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Frames, View
 from symrender.jit.records import Table
 from symrender.jit.twins import moving
-from symrender.quadrature.split_point import Places, SplitResult, gloss_compiled
+from symrender.quadrature.split_point import STATES, Places, SplitResult, gloss_compiled
 from symrender.quadrature.split_scratch import SplitWork, split_work
+from symrender.quadrature.split_setup import EVENT
 from symrender.quadrature.split_shapes import Asked
 from symrender.scene.arrays import SceneArrays
 
@@ -69,7 +70,7 @@ def gloss_slopes(
     found = SplitResult(gloss, error, *(np.zeros(count, np.int64) for _ in range(4)))
     kernel: Any = gloss_compiled()
     kernel(places, lobes, view, frames, work, Asked(float(tol), float(bound), int(max_evaluations), True), found)
-    sums = gloss[:, 3]
+    sums, status = gloss[:, 3], np.where(found.status >= STATES, EVENT, found.status)
     return SlopeResult(
-        np.ascontiguousarray(gloss[:, :3]), error, sums.real.copy(), sums.imag.copy(), found.evaluations, found.status
+        np.ascontiguousarray(gloss[:, :3]), error, sums.imag.copy(), sums.real.copy(), found.evaluations, status
     )

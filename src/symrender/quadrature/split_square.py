@@ -18,6 +18,7 @@ from symrender.jit.records import Table
 from symrender.quadrature.floor_conics import square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.line_errors import across_error, tail_error
+from symrender.quadrature.paces import felt
 from symrender.quadrature.panel_maps import rooted_azimuth
 from symrender.quadrature.records import Conic
 from symrender.quadrature.row_levels import is_metal, levels_on_row, piece_log, sides_log
@@ -375,7 +376,7 @@ def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tu
         else:
             finer = level < min(step + MORE_LEVELS, len(LEVELS) - 1) and lines < MAX_LINES
             ends_here = not (finer or depth < MAX_HALVINGS)
-            if part[9] <= room or ends_here or not room_left or strips > MAX_STRIPS or is_spent(work):
+            if felt(part[9], work) <= room or ends_here or not room_left or strips > MAX_STRIPS or is_spent(work):
                 for t in range(9):
                     out[t] += part[t]
                 error += part[9]

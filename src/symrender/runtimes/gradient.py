@@ -10,10 +10,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symrender.adjoint.direct import direct_gradients
-from symrender.adjoint.lights import lights_leaving
-from symrender.adjoint.point import BUDGET, SlopeScene, gloss_gradients, refuse_unknown, slope_scene
-from symrender.jit.twins import moving
+from symrender.jit.twins import moving_by
+from symrender.jit.types import SEVERAL
+from symrender.quadrature.disk_gradients import direct_gradients
+from symrender.quadrature.gloss_gradients import (
+    BUDGET,
+    SlopeScene,
+    gloss_gradients,
+    light_moves,
+    lights_leaving,
+    refuse_unknown,
+    slope_scene,
+    slope_work,
+)
 from symrender.quadrature.split_point import gloss_at
 from symrender.quadrature.split_scene import alike
 from symrender.quadrature.split_scratch import split_work
@@ -65,7 +74,7 @@ class _Seen:
 
 @dataclass(frozen=True)
 class _Turning:
-    """What the kernels read of a scene, with its tangents by one parameter.
+    """What the kernels read of a scene, with its tangents by up to four parameters.
 
     ``shapes`` are camera, axes of the camera, eye, spheres, floor and planes.
     """
@@ -103,9 +112,11 @@ class Slopes:
         text = numba.emitted("seen")
         self.sight, self.hits, self.places = (numba.kernel(text, name) for name in ("sight", "hits", "places"))
         lights = np.hstack([self.lights["position"][points], self.lights["color"][points]])
-        light_moves = self.ready.tangents.points
-        rows = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
-        self.turning = [_turning(arrays, moved, q, moving(lights, rows[q]), text) for q in range(len(wrt))]
+        self.turning = []
+        for part in self.ready.parts:
+            lanes = range(part.first, part.stop)
+            rows = [light_moves(self.ready, q)[points] for q in lanes]
+            self.turning.append(_turning(arrays, moved, lanes, moving_by(lights, rows), text))
         self.one_sided = _leaving(self.ready)
         self.eye = np.ascontiguousarray(arrays.camera.eye)
         self.own = threading.local()
@@ -123,6 +134,7 @@ class Slopes:
         seen = rays.classes[tile].astype(np.int64)
         if not hasattr(self.own, "scratch"):
             self.own.scratch = split_work(self.arrays, self.lights)
+            self.own.slopes = slope_work(self.arrays, self.lights)
         if self.disks:
             rows, columns = np.nonzero(seen != at.NOTHING)
             self._add_disks(rays, (rows + y0, columns + x0), seen[rows, columns], layers)
@@ -140,10 +152,11 @@ class Slopes:
         parameter), each place, normal, incoming direction and direct light (N, 3) of points."""
         count, settings, turning = len(columns), self.settings, self.turning[0]
         classes, spots = np.zeros(count), np.ascontiguousarray(np.column_stack([columns, rows]))
-        found = np.zeros((4, count, 3), np.complex128)
+        found: Any = np.zeros((4, count, 3), SEVERAL)
         frame = np.array([0.0, 0.0, 0.0, 0.0, settings.width, settings.height, 0.0])
         self.places(spots, frame, *turning.shapes, turning.points, turning.shading, classes, *found)
-        return classes, [*np.ascontiguousarray(found.real)], [*np.ascontiguousarray(found.imag)]
+        moved = found["tangents"][..., 0]
+        return classes, [*np.ascontiguousarray(found["value"])], [*np.ascontiguousarray(moved)]
 
     def _rays(self, x0: int, y0: int, x1: int, y1: int) -> _Seen:
         # a tile at the origin of its own small arrays: its pixels keep their places in the frame
@@ -153,24 +166,25 @@ class Slopes:
         slopes = {name: np.zeros((len(self.names), *shape)) for name in names}
         classes = np.zeros(shape[:2])
         frame = np.array([x0, y0, x1, y1, settings.width, settings.height, float(settings.aa == "analytic")])
-        for q, turning in enumerate(self.turning):
-            seen = {name: np.zeros(shape, np.complex128) for name in names}
+        for part, turning in zip(self.ready.parts, self.turning, strict=True):
+            seen: dict[str, Any] = {name: np.zeros(shape, SEVERAL) for name in names}
             places = [seen[name] for name in _PLACES]
             self.sight(frame, *turning.shapes, turning.points, turning.shading, classes, *places, seen["direct"])
             if self.disks:
                 self.hits(frame, *turning.shapes, classes, *places, seen["albedo"])
             for name, values in seen.items():
-                found[name], slopes[name][q] = np.ascontiguousarray(values.real), values.imag
+                found[name] = np.ascontiguousarray(values["value"])
+                for lane, q in enumerate(range(part.first, part.stop)):
+                    slopes[name][q] = values["tangents"][..., lane]
         return _Seen(classes, found, slopes)
 
     def _add_disks(self, rays: _Seen, pixels: Pixels, surfaces: Surfaces, layers: Mapping[str, Array]) -> None:
         """The direct light of exact disks on the ``pixels``, which see the ``surfaces``."""
         place, normal, incoming = rays.at(pixels)
         light, missed = direct_gradients(
-            self.arrays, place, normal, incoming, surfaces, rays.found["albedo"][pixels],
-            rays.slopes["albedo"][:, pixels[0], pixels[1]],
-            self.ready.at(rays.slopes_at(pixels)),
-            DIRECT_SHARE * self.settings.tol, (self.own.scratch.work, self.own.scratch.gauss),
+            self.ready, place, normal, incoming, surfaces, rays.found["albedo"][pixels],
+            (*rays.slopes_at(pixels), rays.slopes["albedo"][:, pixels[0], pixels[1]]),
+            DIRECT_SHARE * self.settings.tol, self.own.slopes,
         )  # fmt: skip
         for q, name in enumerate(self.names):
             layers[f"direct:{name}"][pixels] += light[q]
@@ -189,7 +203,7 @@ class Slopes:
         share = aim if steepest == 0.0 else 0.5 * aim
         result = gloss_gradients(
             self.ready, *places, surfaces, rays.slopes_at(pixels), share / weight if weight > 0 else 1.0,
-            BUDGET * settings.budget, self.own.scratch,
+            BUDGET * settings.budget, self.own.slopes,
         )  # fmt: skip
         layers["evaluations"][pixels] = result.evaluations
         for q, name in enumerate(self.names):
@@ -210,30 +224,34 @@ class Slopes:
         return int(result.evaluations.sum())
 
 
-def _turning(arrays: SceneArrays, moved: SceneMoves, q: int, points: Any, text: str) -> _Turning:
-    camera, axes = moving(arrays.camera, moved.camera[q]), np.zeros(10, np.complex128)
+def _turning(arrays: SceneArrays, moved: SceneMoves, lanes: range, points: Any, text: str) -> _Turning:
+    def turning(name: str) -> Any:
+        return moving_by(getattr(arrays, name), [getattr(moved, name)[q] for q in lanes])
+
+    camera, axes = turning("camera"), np.zeros(10, SEVERAL)
     if arrays.camera.kind == at.LOOK_AT:
         numba.kernel(text, "camera_axes")(camera, axes)
-    planes = moving(arrays.planes, moved.planes[q])
+    planes = turning("planes")
     # axes of planes are made orthonormal in place
     numba.kernel(text, "stand_planes")(planes)
-    eye = moving(np.ascontiguousarray(arrays.camera.eye), moved.camera["eye"][q])
-    spheres, floor = moving(arrays.spheres, moved.spheres[q]), moving(arrays.floor, moved.floor[q])
-    return _Turning((camera, axes, eye, spheres, floor, planes), points, moving(arrays.shading, moved.shading[q]))
+    eye = moving_by(np.ascontiguousarray(arrays.camera.eye), [moved.camera["eye"][q] for q in lanes])
+    shapes = camera, axes, eye, turning("spheres"), turning("floor"), planes
+    return _Turning(shapes, points, turning("shading"))
 
 
 def _leaving(ready: SlopeScene) -> npt.NDArray[np.bool_]:
     """(Q, hit classes): whether what is seen is a plane in which a light lies that leaves it."""
-    frames, tangents = ready.split.frames, ready.tangents
-    found = lights_leaving(ready.split.lights, tangents.points, frames.axes, tangents.turns)
     # a column of False behind all planes, for what is none
-    return np.pad(found, ((0, 0), (0, 1)))[:, frames.homes]
+    return np.pad(lights_leaving(ready), ((0, 0), (0, 1)))[:, ready.split.frames.homes]
 
 
 def _compile(ready: SlopeScene, settings: Settings, shines: bool, disks: bool) -> None:
     """Call the kernels of lobes and of exact disks, where there are any, with no points, to compile them."""
-    none, nowhere, still = np.zeros((0, 3)), np.zeros(0, np.int64), ready.tangents.place
+    none, nowhere = np.zeros((0, 3)), np.zeros(0, np.int64)
+    still, scratch = np.zeros((ready.parts[-1].stop, 0, 3)), slope_work(ready.arrays, ready.split.lights)
     if shines:
-        gloss_gradients(ready, none, none, none, nowhere, (still, still, still), settings.tol)
+        gloss_gradients(ready, none, none, none, nowhere, (still, still, still), settings.tol, 0, scratch)
     if disks:
-        direct_gradients(ready.arrays, none, none, none, nowhere, none, still, ready.tangents, settings.tol)
+        direct_gradients(
+            ready, none, none, none, nowhere, none, (still, still, still, still), settings.tol, scratch
+        )  # fmt: skip

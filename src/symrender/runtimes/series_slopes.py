@@ -14,9 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from symrender.adjoint.lights import light_point_tangents
-from symrender.adjoint.point import BUDGET, gloss_gradients
 from symrender.jit.records import Table, record, table
+from symrender.quadrature.gloss_gradients import BUDGET, SlopeScene, gloss_gradients, light_moves, slope_work
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_at
 from symrender.quadrature.split_scratch import SplitWork, split_work
@@ -51,7 +50,7 @@ _VALUE: Final = 0.25
 """Part of the tolerance of a node's slope that its value, which walls part, is asked for."""
 
 
-def world_moves(arrays: SceneArrays, moved: SceneMoves, disk_order: int) -> World:
+def world_moves(arrays: SceneArrays, moved: SceneMoves, ready: SlopeScene) -> World:
     """How ``series_world`` moves in the first parameter."""
     count = 1 + len(arrays.spheres) + len(arrays.planes)
     pieces, materials = table(Piece, count), table(Material, count)
@@ -73,9 +72,9 @@ def world_moves(arrays: SceneArrays, moved: SceneMoves, disk_order: int) -> Worl
         for c, (axis, turned) in enumerate(((frame.east, turn.east), (frame.north, turn.north))):
             piece.place[:] += move.offset[c] * np.array(axis) + flat.offset[c] * np.array(turned)
         materials[k].cell = move.cell
-    points = light_point_tangents(arrays, moved.lights, disk_order)
-    lamps = table(Lamp, points.shape[1])
-    np.asarray(lamps)["place"] = np.asarray(points)["position"][0]
+    points = light_moves(ready, 0)
+    lamps = table(Lamp, len(points))
+    np.asarray(lamps)["place"] = points[:, :3]
     # where bounds lie has no part in a value: they stand still
     level = np.zeros((len(lamps), len(pieces)))
     return World(materials, table(Term, 0), pieces, lamps, table(Bound, 0), level)
@@ -128,7 +127,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     beginnings, each = (Beginning(), Beginning()), {}
     for move in wrt:
         moved, slopes = scene_moves(arrays, (move,)), Slopes(arrays, replace(settings, aa="none"), (move,))
-        turning = world_moves(arrays, moved, settings.disk_order)
+        turning = world_moves(arrays, moved, slopes.ready)
         moves = Seen(
             turning, np.ascontiguousarray(moved.camera[0].eye), _window_moves(arrays, moved, width, height)
         )  # fmt: skip
@@ -150,7 +149,8 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         if not hasattr(own, "scratch"):
-            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
+            lights = light_rows(arrays, settings.disk_order)
+            own.scratch, own.slopes = split_work(arrays, lights), slope_work(arrays, lights)
         here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0
         columns, rows = np.tile(np.arange(x0, x1) + 0.5, y1 - y0), np.repeat(np.arange(y0, y1) + 0.5, x1 - x0)
         for name, (slopes, rules) in each.items():
@@ -163,7 +163,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             layers[f"direct:{name}"][here] = values.reshape(*shape, _CHANNELS)
             layers[f"gloss:{name}"][here] = 0.0
             if shines:
-                look = _gloss_look(slopes, own.scratch)
+                look = _gloss_look(slopes, own.scratch, own.slopes)
                 more = rules[1].means(
                     x0, y0, x1, y1, look, (1.0 - share) * settings.tol, NODES * settings.budget
                 )  # fmt: skip
@@ -209,7 +209,7 @@ def _direct_look(slopes: Slopes, bright: float) -> Look:
     return look
 
 
-def _gloss_look(slopes: Slopes, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
+def _gloss_look(slopes: Slopes, scratch: SplitWork, moving_scratch: SplitWork) -> Callable[[Places, float, int], Light]:
     """The same of gloss, times the weight of its lobe."""
     weights, turns, ready = slopes.weights, slopes.weight_moves[0], slopes.ready
     planes = 1 + len(slopes.arrays.spheres)
@@ -231,7 +231,7 @@ def _gloss_look(slopes: Slopes, scratch: SplitWork) -> Callable[[Places, float, 
             at_places = place[some], normal[some], incoming[some], surfaces
             turning = moving[0][None, some], moving[1][None, some], moving[2][None, some]
             aim = tol / max(weight, 1e-300) if weight > 0.0 else 1.0
-            result = gloss_gradients(ready, *at_places, turning, min(1.0, aim), BUDGET * budget, scratch)
+            result = gloss_gradients(ready, *at_places, turning, min(1.0, aim), BUDGET * budget, moving_scratch)
             closer = min(1.0, _VALUE * tol / max(weight, abs(turn)))
             value = gloss_at(ready.split, *at_places, closer, budget, scratch, walled=False)
             values[some, :3] = weight * result.gradient[0] + turn * value.gloss

@@ -62,9 +62,6 @@ class _Braces(Scribe):
     def assign(self, name: str, value: str) -> str:
         return f"{self.keyword} {name} = {value};"
 
-    def assign_slopes(self, names: Sequence[str], operands: Sequence[str]) -> list[str]:
-        raise NotImplementedError("pages have values only")
-
 
 class _JavaScript(_Braces):
     calls_of = _JAVASCRIPT

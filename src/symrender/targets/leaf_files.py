@@ -29,18 +29,6 @@ def texts() -> dict[Path, str]:
         _ROOT / "leaves" / "radiometric.py": _python(
             "Formulas of radiometric scenes as scalar functions.", _each(leaf_python.value, RADIOMETRIC.values())
         ),
-        _ROOT / "leaves" / "slopes.py": _python(
-            "Formulas with their slopes: a row for every result.",
-            _each(leaf_python.slopes, (x for x in leaves if x.slopes)),
-        ),
-        _ROOT / "leaves" / "adjoints.py": _python(
-            "Formulas pulled back: slopes of a weighted sum of their results.",
-            _each(leaf_python.adjoint, (x for x in leaves if x.adjoint)),
-        ),
-        _ROOT / "leaves" / "tangents.py": _python(
-            "Formulas pushed forward: slopes of all results in one argument.",
-            _each(leaf_python.tangents, (x for x in leaves if x.tangents)),
-        ),
         _ROOT / "chambers" / "leaf_rows.py": _rows(_each(leaf_python.rows, (x for x in leaves if x.rows))),
         _ROOT / "leaves" / "formulas.js": f"// {_NOTE}\n" + leaf_braces.javascript_module(pages),
         _ROOT / "leaves" / "formulas.glsl": f"// {_NOTE}\n" + leaf_braces.glsl_module(pages),
@@ -55,9 +43,8 @@ def _python(title: str, functions: list[str]) -> str:
     body = "\n\n\n".join(functions)
     lines = [f'"""{title}', "", _NOTE, '"""', "", "# fmt: off", "from __future__ import annotations", "", "import math"]
     lines += ["", "from symrender.jit.marks import inlined"]
-    called = [name for name in ("gleam", "gleam_slopes") if f"{name}(" in body]
-    if called:
-        lines.append(f"from symrender.leaves.gleams import {', '.join(called)}")
+    if "gleam(" in body:
+        lines.append("from symrender.leaves.gleams import gleam")
     if "math." not in body:
         lines.remove("import math")
         lines.remove("")

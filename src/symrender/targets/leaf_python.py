@@ -9,7 +9,6 @@ from typing import Final
 from symrender.chambers.records import Nodes
 from symrender.expression.elementary import LEAST
 from symrender.expression.leaf import Leaf
-from symrender.kernel.sweeps import forward, reverse
 from symrender.kernel.tape import Node, Tape, trace
 from symrender.targets.leaf_text import ATOM, Scribe
 
@@ -27,7 +26,7 @@ _CALLS: Final = {
     "gleam": "gleam({}, {})",
 }
 _WIDTH: Final = 118
-_TAKEN: Final = ("gleam", "gleam_slopes", "i", "m", "math", "max", "min", "nodes", "power")
+_TAKEN: Final = ("gleam", "i", "m", "math", "max", "min", "nodes", "power")
 
 
 class _Python(Scribe):
@@ -44,9 +43,6 @@ class _Python(Scribe):
 
     def assign(self, name: str, value: str) -> str:
         return f"{name} = {value}"
-
-    def assign_slopes(self, names: Sequence[str], operands: Sequence[str]) -> list[str]:
-        return [f"{', '.join(names)} = gleam_slopes({', '.join(operands)})"]
 
 
 def folded(head: str, items: Iterable[str], tail: str, pad: str) -> list[str]:
@@ -105,33 +101,6 @@ def value(leaf: Leaf) -> str:
     return function(leaf.name, [str(x.detail) for x in inputs], tape, results, leaf.doc)
 
 
-def slopes(leaf: Leaf) -> str:
-    """Results, then for each result its slopes in each scalar of ``leaf.slopes``."""
-    tape, inputs, results = trace(leaf)
-    by = _by(leaf, leaf.slopes, inputs)
-    one = tape.constant(1.0)
-    found = [slope for result in results for slope in reverse(tape, [(result, one)], by)]
-    doc = f"{_plain(leaf.doc)}; then slopes of {_each(leaf)} in {', '.join(leaf.slopes)}."
-    return function(f"{leaf.name}_slopes", _names(inputs), tape, [*results, *found], doc)
-
-
-def adjoint(leaf: Leaf) -> str:
-    """Results, then the sum over results of a weight times their slopes, in each scalar of ``leaf.adjoint``."""
-    tape, inputs, results = trace(leaf)
-    weights = [tape.input(f"{name}_weight") for name in leaf.result_names]
-    found = reverse(tape, list(zip(results, weights, strict=True)), _by(leaf, leaf.adjoint, inputs))
-    doc = f"{_plain(leaf.doc)}; then the slopes of the weighted sum of all of it in {', '.join(leaf.adjoint)}."
-    return function(f"{leaf.name}_adjoint", _names([*inputs, *weights]), tape, [*results, *found], doc)
-
-
-def tangents(leaf: Leaf) -> str:
-    """Results, then the slopes of all of them in each scalar of ``leaf.tangents``."""
-    tape, inputs, results = trace(leaf)
-    found = [slope for by in _by(leaf, leaf.tangents, inputs) for slope in forward(tape, results, by)]
-    doc = f"{_plain(leaf.doc)}; then the slopes of all of it in {', '.join(leaf.tangents)}."
-    return function(f"{leaf.name}_tangents", _names(inputs), tape, [*results, *found], doc)
-
-
 def rows(leaf: Leaf) -> str:
     """A loop over nodes ``start`` to ``stop``; what is the same for all of them is computed before it."""
     assert leaf.rows is not None
@@ -149,7 +118,7 @@ def rows(leaf: Leaf) -> str:
     scribe = _Python(tape, [found[part] for _, _, parts in stores for part in parts], taken=_TAKEN)
     varying = {x.index for x in inputs if str(x.detail) in places}
     for node in scribe.needed:
-        if any(scribe.same(x).index in varying for x in node.operands):
+        if any(x.index in varying for x in node.operands):
             varying.add(node.index)
     everywhere = frozenset(x.index for x in scribe.needed)
     before = [] if not uniform else scribe.lines(everywhere - frozenset(varying))
@@ -172,19 +141,5 @@ def _element(row: str, k: int) -> str:
     return f"nodes.{row}[{k}, i]" if len(Nodes.layout[row].shape) > 1 else f"nodes.{row}[i]"
 
 
-def _names(nodes: Sequence[Node]) -> list[str]:
-    return [str(x.detail) for x in nodes]
-
-
-def _by(leaf: Leaf, arguments: Sequence[str], inputs: Sequence[Node]) -> list[Node]:
-    at = {str(x.detail): x for x in inputs}
-    return [at[part] for argument in arguments for part in leaf.parts(argument)]
-
-
 def _plain(doc: str) -> str:
     return doc.rstrip(".")
-
-
-def _each(leaf: Leaf) -> str:
-    names = [result.partition(":")[0] for result in leaf.results]
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

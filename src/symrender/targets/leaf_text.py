@@ -7,7 +7,7 @@ Brackets keep the order of operations as it was written.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from symrender.kernel.tape import Node, Tape
@@ -25,13 +25,12 @@ class Scribe(ABC):
 
     def __init__(self, tape: Tape, results: Sequence[Node], taken: Sequence[str] = ()) -> None:
         self.tape = tape
-        self.calls = {x.operands: x for x in _needed(results) if x.operation == "gleam_slopes"}
-        self.results = [self.same(x) for x in results]
-        self.needed = _needed(self.results, self.same)
+        self.results = list(results)
+        self.needed = _needed(self.results)
         self.uses: dict[int, int] = {}
         for node in self.needed:
             for operand in node.operands:
-                at = self.same(operand).index
+                at = operand.index
                 self.uses[at] = self.uses.get(at, 0) + 1
         for node in self.results:
             self.uses[node.index] = self.uses.get(node.index, 0) + 1
@@ -58,30 +57,20 @@ class Scribe(ABC):
     def assign(self, name: str, value: str) -> str:
         """A statement that binds a name."""
 
-    @abstractmethod
-    def assign_slopes(self, names: Sequence[str], operands: Sequence[str]) -> list[str]:
-        """Statements that bind a gleam and its two slopes."""
-
     def input(self, name: str) -> str:
         """How an argument is written."""
         return name
 
     # the writing
 
-    def same(self, node: Node) -> Node:
-        """A gleam is the first result of the call that tells its slopes, where there is one."""
-        if node.operation == "gleam" and node.operands in self.calls:
-            return self.tape.part(self.calls[node.operands], 0)
-        return node
-
     def _lazy(self) -> set[int]:
         """Nodes that may only be computed where a guard holds: they are written inside its choice."""
         found: set[int] = set()
         for node in self.results:
             if node.operation == "where_positive":
-                outside = [self.same(node.operands[0]), *(x for x in self.results if x is not node)]
-                found |= {x.index for x in _needed([node.operands[1]], self.same)}
-                found -= {x.index for x in _needed(outside, self.same)}
+                outside = [node.operands[0], *(x for x in self.results if x is not node)]
+                found |= {x.index for x in _needed([node.operands[1]])}
+                found -= {x.index for x in _needed(outside)}
         return found
 
     def lines(self, only: frozenset[int] | None = None) -> list[str]:
@@ -90,14 +79,7 @@ class Scribe(ABC):
         for node in self.needed:
             if (only is not None and node.index not in only) or node.index in self.texts:
                 continue
-            if node.operation in ("constant", "input", "part") or node.index in self.lazy:
-                continue
-            if node.operation == "gleam_slopes":
-                stem = f"power_{self._next()}" if len(self.calls) > 1 else "power"
-                names = [stem, f"{stem}_by_base", f"{stem}_by_exponent"]
-                found += self.assign_slopes(names, [self.text(x) for x in node.operands])
-                for k, name in enumerate(names):
-                    self.texts[self.tape.part(node, k).index] = name, ATOM
+            if node.operation in ("constant", "input") or node.index in self.lazy:
                 continue
             bare = node.index not in self.tape.names
             text, level = self._written(node)
@@ -118,9 +100,9 @@ class Scribe(ABC):
         found: list[str] = []
         operands = sorted(node.operands, key=lambda x: -len(self.text(x)))
         for operand in operands:
-            if len(self._written(node)[0]) > _LONGEST and self.same(operand).operation not in ("constant", "input"):
-                text = self._written(self.same(operand))[0]
-                found.append(self.assign(self._name(self.same(operand)), text))
+            if len(self._written(node)[0]) > _LONGEST and operand.operation not in ("constant", "input"):
+                text = self._written(operand)[0]
+                found.append(self.assign(self._name(operand), text))
         return found
 
     def _next(self) -> int:
@@ -137,7 +119,7 @@ class Scribe(ABC):
 
     def text(self, node: Node, level: int = _SUM) -> str:
         """How a node is written where it is used, bracketed where ``level`` binds tighter."""
-        node = self.same(node)
+        node = node
         text, own = self.texts[node.index] if node.index in self.texts else self._written(node)
         return text if own >= level else f"({text})"
 
@@ -170,7 +152,7 @@ class Scribe(ABC):
         return f"{self.text(node)} > {self.literal(0.0)}"
 
 
-def _needed(results: Sequence[Node], same: Callable[[Node], Node] = lambda node: node) -> list[Node]:
+def _needed(results: Sequence[Node]) -> list[Node]:
     """What results depend on, themselves included, operands first."""
     order: list[Node] = []
     done: set[int] = set()
@@ -180,9 +162,9 @@ def _needed(results: Sequence[Node], same: Callable[[Node], Node] = lambda node:
             return
         done.add(node.index)
         for operand in node.operands:
-            visit(same(operand))
+            visit(operand)
         order.append(node)
 
-    for result in sorted((same(x) for x in results), key=lambda x: x.index):
+    for result in sorted(results, key=lambda x: x.index):
         visit(result)
     return order

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.record import CONDUCTOR, CORRELATED, NO_RIM, POWER, Conductor, Lobe
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held
 from symrender.jit.records import Table
 from symrender.leaves.radiometric import walter_masking
 from symrender.leaves.values import log_normaliser, log_rim, seen_area, smith_root
@@ -42,7 +43,8 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe)
     lobe.rim_sin = math.sin(theta_max)
     moved = 0.0
     if lobe.rim_cos < FLAT:
-        lobe.rim_cos, lobe.rim_sin = 0.0, 1.0
+        # a rim that moves comes in from there
+        lobe.rim_cos, lobe.rim_sin = lobe.rim_cos - held(lobe.rim_cos), 1.0
         moved = beyond
     if cut < 1.0 and beyond < cut:
         # 1 - cos of the effective rim

@@ -173,4 +173,3 @@ LEAVES: Final = (
          rows=Rows((("place", "place"), ("normal", "normal"), ("view", "toward")), (("shares", "shares", "set"),))),
     Leaf(lit_beckmann_most, ("most",)),
 )  # fmt: skip
-"""Slopes are due with the derivative of the lobe (``adjoint/lobe.py`` refuses it)."""

@@ -51,8 +51,8 @@ def conic_level(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real, x: Real, y
 _SIX: Final = ("a", "b", "c", "d", "e", "f")
 
 LEAVES: Final = (
-    Leaf(cone_conic, _SIX, adjoint=("axis", "sine2", "apex")),
-    Leaf(ball_conic, _SIX, adjoint=("center", "radius")),
-    Leaf(plane_conic, _SIX, adjoint=("normal", "height")),
-    Leaf(conic_level, ("level",), slopes=(*_SIX, "x", "y")),
+    Leaf(cone_conic, _SIX),
+    Leaf(ball_conic, _SIX),
+    Leaf(plane_conic, _SIX),
+    Leaf(conic_level, ("level",)),
 )

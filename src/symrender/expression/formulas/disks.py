@@ -27,6 +27,6 @@ def disk_point(center: Vec3, radius: Real, first: Vec3, second: Vec3, u: Real, v
 
 
 LEAVES: Final = (
-    Leaf(disk_frame, ("axis:3", "first:3", "second:3"), adjoint=("position", "target"), tangents=("target",)),
-    Leaf(disk_point, ("place:3",), adjoint=("center", "radius", "first", "second"), pages=True),
+    Leaf(disk_frame, ("axis:3", "first:3", "second:3")),
+    Leaf(disk_point, ("place:3",), pages=True),
 )

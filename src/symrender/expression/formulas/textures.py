@@ -50,9 +50,9 @@ def mixed(dark: Real, bright: Real, share: Real) -> Real:
 
 LEAVES: Final = (
     Leaf(texture_coordinates, ("u", "v"), pages=True),
-    Leaf(texture_phases, ("across", "down"), slopes=("normal", "ku", "kv"), pages=True),
+    Leaf(texture_phases, ("across", "down"), pages=True),
     Leaf(vein, ("factor",), pages=True),
-    Leaf(marble, ("factor",), slopes=("normal", "ku", "kv"), pages=True),
-    Leaf(floor_phases, ("east", "north"), slopes=("x", "y", "cell", "offset_x", "offset_y"), pages=True),
-    Leaf(mixed, ("albedo",), adjoint=("dark", "bright", "share"), pages=True),
+    Leaf(marble, ("factor",), pages=True),
+    Leaf(floor_phases, ("east", "north"), pages=True),
+    Leaf(mixed, ("albedo",), pages=True),
 )

@@ -93,16 +93,16 @@ def phong_edge_level(to_light: Vec3, to_viewer: Vec3, normal: Vec3) -> Real:
 
 
 LEAVES: Final = (
-    Leaf(rim_level, ("level",), slopes=("direction", "axis", "rim_cosine")),
-    Leaf(horizon_level, ("level",), slopes=("direction", "horizon")),
-    Leaf(silhouette_level, ("level",), slopes=("direction", "center", "radius", "point")),
-    Leaf(ball_level, ("level",), slopes=("place", "center", "radius")),
-    Leaf(terminator_level, ("level",), slopes=("normal", "light", "center", "radius")),
-    Leaf(shadow_level, ("level",), slopes=("place", "light", "center", "radius")),
+    Leaf(rim_level, ("level",)),
+    Leaf(horizon_level, ("level",)),
+    Leaf(silhouette_level, ("level",)),
+    Leaf(ball_level, ("level",)),
+    Leaf(terminator_level, ("level",)),
+    Leaf(shadow_level, ("level",)),
     Leaf(shadow_row_level, ("level",)),
-    Leaf(meridian_level, ("level",), slopes=("normal", "ku")),
-    Leaf(parallel_level, ("level",), slopes=("normal", "kv")),
-    Leaf(floor_line_level, ("level",), slopes=("x", "cell", "offset")),
-    Leaf(blinn_edge_level, ("level",), slopes=("to_light", "to_viewer", "normal")),
-    Leaf(phong_edge_level, ("level",), slopes=("to_light", "to_viewer", "normal")),
+    Leaf(meridian_level, ("level",)),
+    Leaf(parallel_level, ("level",)),
+    Leaf(floor_line_level, ("level",)),
+    Leaf(blinn_edge_level, ("level",)),
+    Leaf(phong_edge_level, ("level",)),
 )

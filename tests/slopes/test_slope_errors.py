@@ -14,10 +14,10 @@ import pytest
 import symrender as sr
 from adversary.sweep import swept_value
 from adversary.world import lobe_of, world_of
-from symrender.adjoint.shape import outline
 from symrender.chambers.lobes.width import rim_power
 from symrender.chambers.records import Chart
 from symrender.jit.records import record
+from symrender.quadrature.paces import outline
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
 

@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 
 from adversary.families import generate
-from symrender.adjoint.lobe_mass import horizon_slopes, normaliser_slopes
 from symrender.chambers.chart import set_frame
-from symrender.chambers.lobes.mass import cap_share
 from symrender.chambers.records import Chart
 from symrender.errors import SceneError, Unsupported
 from symrender.jit.records import table
 from symrender.probe import probe
-from symrender.quadrature.gauss import gauss_table
 from symrender.scene.load import load
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
@@ -254,33 +251,6 @@ def test_a_mirror_has_no_derivative(lobe: dict) -> None:
     found = probe(ball(**{"floor.lobe": lobe}), [(0.3, -0.2, 0.0)], wrt=["spheres.S.center.x"])
     assert found.gradient_status["spheres.S.center.x"][0] == 3
     assert np.isinf(found.gradient_error["spheres.S.center.x"][0])
-
-
-def test_shares_above_a_horizon_change_as_differences_say() -> None:
-    gauss = gauss_table()
-    h = 1e-4
-    for n, theta_max, alpha in ((5.0, 1.2, 0.9), (0.0, 1.5, 1.2), (64.0, math.pi / 3, 1.45), (16.0, math.pi / 2, 1.0)):
-        share = cap_share(n, theta_max, alpha, math.pi / 2, gauss)
-        slopes = horizon_slopes(n, theta_max, alpha, share, gauss)
-        for k, slope in enumerate(slopes):
-            if k == 1 and theta_max == math.pi / 2:
-                continue
-            steps = []
-            for s in (h, -h, h / 2, -h / 2):
-                moved = [n, theta_max, alpha]
-                moved[k] += s if n > 0 or k else abs(s)
-                steps.append(cap_share(*moved, math.pi / 2, gauss))
-            if k == 0 and n == 0:
-                continue
-            coarse, fine = (steps[0] - steps[1]) / (2 * h), (steps[2] - steps[3]) / h
-            assert slope == pytest.approx((4 * fine - coarse) / 3, abs=1e-9), (n, theta_max, alpha, k)
-    by_n, by_theta = normaliser_slopes(7.0, 0.8)
-
-    def log_normaliser(n: float, t: float) -> float:
-        return math.log(2 * math.pi * (1 - math.cos(t) ** (n + 1)) / (n + 1))
-
-    assert by_n == pytest.approx((log_normaliser(7 + h, 0.8) - log_normaliser(7 - h, 0.8)) / (2 * h), rel=1e-7)
-    assert by_theta == pytest.approx((log_normaliser(7, 0.8 + h) - log_normaliser(7, 0.8 - h)) / (2 * h), rel=1e-7)
 
 
 def test_walls_that_part_are_told() -> None:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import symrender as sr
-from symrender.adjoint.point_moves import looks_pace
-from symrender.jit.records import Record, columns, flat, grid, named
-from symrender.scene.records import Floor, Sphere
 
 Array = npt.NDArray[np.float64]
 SIZE = 10
@@ -40,22 +35,3 @@ def test_what_lies_beyond_a_lobe_is_stated(group: str, base: float) -> None:
         assert (off <= image.layer("error") + doubt).all()
         told += int((off > 2.0 * doubt).sum())
     assert told >= 5, told
-
-
-PLACES_AND_LOBES = {"center", "radius", "weight", "exponent", "theta_max"}
-"""What charts follow themselves: where a sphere is, and the lobe of what is seen."""
-KINDS = {"texture", "kind", "present"}
-"""What does not move."""
-
-
-@pytest.mark.parametrize(("kind", "rows"), [(Sphere, "spheres"), (Floor, "floors")])
-def test_the_pace_of_looks_knows_every_field_of_what_is_seen(kind: type[Record], rows: str) -> None:
-    looks = 0
-    for place in range(columns(kind)):
-        tangents = SimpleNamespace(spheres=grid(Sphere, 1, 1), floors=grid(Floor, 1, 1))
-        flat(getattr(tangents, rows)[0])[0, place] = -0.5
-        name = named(kind, place).split("[")[0].split(".")[0]
-        expected = 0.0 if name in PLACES_AND_LOBES | KINDS else 0.5
-        assert looks_pace(0, tangents) == expected, name
-        looks += int(expected > 0.0)
-    assert looks >= 6
