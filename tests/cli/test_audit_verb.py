@@ -23,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rng = np.random.default_rng(5)
     for k in range(8):
         noisy = true.radiance * (1 + 0.01 * rng.standard_normal((12, 16, 3)))
-        Image({"radiance": noisy}, true.meta).save(here / f"right{k}.exr")
+        Image({"radiance": noisy}, true.meta | {"seed": str(k)}).save(here / f"right{k}.exr")
         Image({"radiance": 1.03 * noisy}).save(here / f"wrong{k}.npz")
     noisy[3, 5, 0] = np.nan
     Image({"radiance": noisy}).save(here / "nan.exr")

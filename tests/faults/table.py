@@ -175,7 +175,7 @@ FAULTS = (
           ("radiometric/test_touching_outlines.py",), "a strip taken to be seen as its first line is"),
     Fault("panels", "quadrature/panel_rule.py", "max(bound, 10.0 * size", "max(0.0, 10.0 * size",
           KNOWN, "three dark lines taken for a proof"),
-    Fault("points", "quadrature/split_panel.py", "    return left_out\n", "    return 0.0\n",
+    Fault("points", "quadrature/split_panel.py", "    return dropped\n", "    return 0.0\n",
           ("quadrature/test_points_left_out.py",), "circles taken for points, and not a word of what they hold"),
     Fault("points", "quadrature/split_panel.py", "            walls[kept] = row\n", "            pass\n",
           ("quadrature/test_points_left_out.py",), "a wall lost with the point that stood before it"),

@@ -211,7 +211,7 @@ def test_what_cannot_be_cut_is_refused_by_name() -> None:
         kept = {name: value for name, value in change.items() if name != "scene"}
         with pytest.raises(Unsupported, match=words):
             if change.get("scene") == "gradient":
-                sr.gradient(scene, ["lights.key.intensity"], size=4)
+                sr.gradient(scene, ["shapes.ball.radius"], size=4)
             else:
                 sr.truth(
                     scene.replace(kept), size=4, filter="box" if "scene" in change else "centre", method="quadrature"

@@ -45,5 +45,5 @@ def test_what_is_seen_has_its_reflectance() -> None:
 def test_what_an_image_refuses_a_glimpse_does_too() -> None:
     data = scene_of("sky").model_dump()
     data["materials"] = {name: {"type": "phong", "exponent": 8} for name in data["materials"]}
-    with pytest.raises(Unsupported, match="a sky or an area light over"):
+    with pytest.raises(Unsupported, match="a sky over a conductor or a phong"):
         direct_rows(radiometric_arrays(load_any(data)), *SIZE)

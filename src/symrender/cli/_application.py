@@ -14,8 +14,8 @@ from symrender.cli._help import Verb
 from symrender.version import VERSION
 
 EXIT_CODES = (
-    "Exit codes: 0 success; 1 two images differ or an audit failed; 2 wrong input; 3 non-finite pixels, or an audit "
-    "that is undecided; 4 a missed tolerance; 70 a fault in symrender; 74 the output could not be written; 130 "
+    "Exit codes: 0 success; 1 two images differ or an audit failed; 2 wrong input; 3 non-finite pixels, or an "
+    "undecided audit; 4 a missed tolerance; 70 a fault in symrender; 74 the output could not be written; 130 "
     "interrupted."
 )
 
