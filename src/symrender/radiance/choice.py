@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from symrender.errors import Unsupported
@@ -58,10 +59,15 @@ def _check(arrays: RadiometricArrays, settings: Settings) -> None:
     check_means(arrays, settings)
 
 
+def refusal(check: Callable[[], None]) -> Unsupported | None:
+    """What ``check`` raises if something is not covered, None if it returns."""
+    try:
+        check()
+    except Unsupported as error:
+        return error
+    return None
+
+
 def _reason(arrays: RadiometricArrays, settings: Settings) -> str:
     """Why quadrature does not cover an image, ``""`` if it does."""
-    try:
-        _check(arrays, settings)
-    except Unsupported as error:
-        return str(error)
-    return ""
+    return str(refusal(lambda: _check(arrays, settings)) or "")

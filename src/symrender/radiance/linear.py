@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ import numpy.typing as npt
 from symrender.errors import Unsupported
 from symrender.jit.records import chosen
 from symrender.radiance import sampled
-from symrender.radiance.choice import Plan, plan_of
+from symrender.radiance.choice import Plan, plan_of, refusal
 from symrender.radiometric.vectors import Array
 from symrender.runtimes import radiometric, radiometric_gradient
 from symrender.runtimes.emission_slopes import alone, check_emission
@@ -52,7 +53,9 @@ def shares_of(arrays: RadiometricArrays, settings: Settings, wrt: Sequence[Move]
     """
     covered, linear = [], []
     for move in wrt:
-        reason, other = _reason(arrays, settings, move), _other_than_light(arrays, move)
+        reason = refusal(partial(_check, arrays, settings, move))
+        # what the parameter moves beside what a light sends
+        other = refusal(partial(check_emission, arrays, (move,)))
         if other is None and (reason is not None or settings.filter != "centre" or settings.method == "sampled"):
             # over a pixel that is one image, and no wall of it moves
             linear.append((move, plan_of(lit_by(arrays, move), settings)))
@@ -63,23 +66,10 @@ def shares_of(arrays: RadiometricArrays, settings: Settings, wrt: Sequence[Move]
     return Shares(tuple(covered), tuple(linear))
 
 
-def _reason(arrays: RadiometricArrays, settings: Settings, move: Move) -> Unsupported | None:
-    """Why quadrature does not differentiate an image by a parameter, None if it does."""
-    try:
-        radiometric_gradient.check_gradient(arrays, (move,), settings.filter)
-        check_means(arrays, settings)
-    except Unsupported as error:
-        return error
-    return None
-
-
-def _other_than_light(arrays: RadiometricArrays, move: Move) -> Unsupported | None:
-    """What a parameter moves beside what a light sends, None if that is all."""
-    try:
-        check_emission(arrays, (move,))
-    except Unsupported as error:
-        return error
-    return None
+def _check(arrays: RadiometricArrays, settings: Settings, move: Move) -> None:
+    """Raise ``Unsupported`` if quadrature does not differentiate an image by a parameter."""
+    radiometric_gradient.check_gradient(arrays, (move,), settings.filter)
+    check_means(arrays, settings)
 
 
 def lit_by(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
