@@ -1,7 +1,6 @@
 """No engine takes more than twice the evaluations it is given, and what it could not do is part of the error it states.
 
 Values are judged by the same scenes to a tolerance that they meet with evaluations to spare.
-Pixels of bounced light are not among them: their nodes do not share a budget yet.
 """
 
 from __future__ import annotations
@@ -63,6 +62,10 @@ RAYS: Final = {
 PIXELS: Final = {
     "a box of checkers": (scene(0, "tiles", ROUND, KEY), {"filter": "box"}),
     "a box under a lamp": (scene(0, "clay", [*ROUND, BULB], GLOW, KEY), {"filter": "box"}),
+    "a box of one bounce": (scene(1, "clay", ROUND, KEY, FILL), {"filter": "box"}),
+    "a tent over one bounce of a sky": (scene(1, "clay", ROUND, SKY), {"filter": "tent"}),
+    "a box over a bounce in gloss": (scene(1, "metal", ROUND, KEY), {"filter": "box"}),
+    "a box of checkers between faces": (scene(1, "tiles", FLAT, {**KEY, "intensity": 100}), {"filter": "box"}),
     "a lens": ({**scene(0, "tiles", ROUND, KEY), "camera": {**CAMERA, "aperture": 0.05, "focus": 4}}, {}),
 }
 

@@ -47,7 +47,7 @@ def gradient(
     tol: float = 1e-4,
     disk: str = "2x2",
     aa: Antialias = "analytic",
-    budget: int = 1_000_000,
+    budget: int | None = None,
     filter: Filter = "centre",
     filter_radius: float = 0.0,
     method: Method = "auto",

@@ -12,11 +12,12 @@ import numpy.typing as npt
 from symrender.errors import OptionError, Unsupported
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
-from symrender.runtimes.radiometric import BUDGET, Sent, check, ray_answers
+from symrender.runtimes.radiometric import Sent, check, ray_answers
 from symrender.runtimes.ray_slopes import SentSlopes, ray_slopes
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.settings import BUDGET
 from symrender.truth import STATUS
 
 Array = npt.NDArray[np.float64]

@@ -42,6 +42,10 @@ EXACT_DISK: Final = 0
 """``Settings.disk_order`` of the exactly integrated disk."""
 
 
+BUDGET: Final = 1_000_000
+"""Evaluations that a ray or a pixel takes at most unless a budget is asked for."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """Everything about an image that is not the scene.
@@ -55,7 +59,8 @@ class Settings:
     radiance along the ray through its centre, the mean over its area, ``box``, or one weighed by a ``tent``, a
     ``gaussian`` or ``mitchell`` over a square of ``filter_radius`` to every side, in pixels, 0 the filter's own.
     ``method`` says who makes a reference image of a radiometric scene: ``quadrature`` alone, paths that are ``sampled``
-    alone, or ``auto``: quadrature for each component that it covers, and paths for the rest.
+    alone, or ``auto``: quadrature for each component that it covers, and paths for the rest. ``strict`` says that
+    ``budget`` was asked for: a mean over a pixel keeps it, too, and does not just stop refining there.
     """
 
     width: int = 256
@@ -73,7 +78,8 @@ class Settings:
     threads: int = 0
     tile: int = 0
     tol: float = 1e-6
-    budget: int = 1_000_000
+    budget: int = BUDGET
+    strict: bool = False
     counts: bool = True
     silhouettes: int = 1
     filter: Filter = "centre"
@@ -109,8 +115,9 @@ class Settings:
             value = getattr(self, name)
             if value not in get_args(choices):
                 raise OptionError(f"{name}: must be one of {', '.join(get_args(choices))}, got {value!r}")
-        if type(self.counts) is not bool:
-            raise OptionError(f"counts: must be true or false, got {self.counts!r}")
+        for name in ("counts", "strict"):
+            if type(getattr(self, name)) is not bool:
+                raise OptionError(f"{name}: must be true or false, got {getattr(self, name)!r}")
         if self.width * self.height > self.max_pixels:
             gib = self.width * self.height * 10 * 8 / 2**30
             raise OptionError(
@@ -160,7 +167,7 @@ def split_settings(
     tol: float,
     disk: str,
     aa: Antialias,
-    budget: int,
+    budget: int | None,
     threads: int,
     tile: int,
     counts: bool = True,
@@ -172,6 +179,7 @@ def split_settings(
 ) -> Settings:
     """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone.
 
+    A ``budget`` of None is ``BUDGET``, and not strict.
     Keywords are many because each is a field of ``Settings``.
     """
     width, height = image_size(size)
@@ -181,7 +189,8 @@ def split_settings(
         numeric="none",
         symbolic="chambers",
         tol=float(tol),
-        budget=budget,
+        budget=BUDGET if budget is None else budget,
+        strict=budget is not None,
         disk=disk,
         aa=aa,
         threads=threads,

@@ -41,7 +41,7 @@ def truth(
     tol: float = 1e-6,
     disk: str = "2x2",
     aa: Antialias = "analytic",
-    budget: int = 1_000_000,
+    budget: int | None = None,
     counts: bool = True,
     silhouettes: int = 1,
     filter: Filter = "centre",
@@ -71,8 +71,9 @@ def truth(
         ``"KxK"`` replaces a disk light by K x K points, ``"exact"`` integrates it (scenes in units of the series).
     aa : {"analytic", "none"}
         Filter the floor's checker over the pixel, or read it at the centre (scenes in units of the series).
-    budget : int
-        Most evaluations for a pixel.
+    budget : int, optional
+        Most evaluations for a pixel, kept within twice itself. By default 1,000,000 along a ray; a filtered pixel of
+        reflected light then stops refining after 1,000,000, but may have taken some 40 times as many at once.
     counts : bool
         Count smooth regions and discontinuities; without, lattice rules may be used at loose tolerances.
     silhouettes : int

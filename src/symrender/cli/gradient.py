@@ -41,7 +41,7 @@ def gradient(
     ] = "",
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "64",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance over the unit.")] = 1e-4,
-    budget: Annotated[int, typer.Option(help="Most evaluations a pixel may take.")] = 1_000_000,
+    budget: Annotated[int | None, typer.Option(help="Most evaluations a pixel may take. Default: about 1e6.")] = None,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     filter: FilterOption = "centre",

@@ -54,7 +54,7 @@ def truth(
     scene: SceneArgument = DEFAULT_SCENE,
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "256",
     tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel, scene radiance.")] = 1e-6,
-    budget: Annotated[int, typer.Option(help="Most evaluations a pixel may take.")] = 1_000_000,
+    budget: Annotated[int | None, typer.Option(help="Most evaluations a pixel may take. Default: about 1e6.")] = None,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     layers: Annotated[

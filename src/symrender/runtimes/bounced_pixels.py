@@ -22,6 +22,8 @@ from symrender.settings import Settings
 
 DIRECT_SHARE: Final = 0.3
 """Part of the tolerance that direct light takes where light bounces."""
+_BOUNCED: Final = 0.6
+"""Part of a strict budget that the rays of a pixel are given, of which they take up to 1.8 times (``budgets.py``)."""
 CHANNELS: Final = 3
 
 BouncedMeans = Callable[[int, int, int, int], Mean]
@@ -42,6 +44,11 @@ def node_tolerance(tol: float) -> float:
     return INNER * (1.0 - DIRECT_SHARE) * tol
 
 
+def direct_budget(settings: Settings) -> int:
+    """Evaluations that direct light of a pixel takes beside bounced light."""
+    return max(1, int(DIRECT_SHARE * settings.budget)) if settings.strict else settings.budget
+
+
 def canvas_of(view: Seen, settings: Settings) -> Canvas:
     """An image of bounced light: cut where shapes and textures end."""
     bright = brightest(view)
@@ -59,6 +66,7 @@ def prepare_bounced(arrays: RadiometricArrays, settings: Settings, sender: Calla
     canvas = canvas_of(views[0], settings)
     rule, own = PixelRule(canvas, CHANNELS), threading.local()
     tol = (1.0 - DIRECT_SHARE) * settings.tol
+    budget = max(1, int(_BOUNCED * settings.budget)) if settings.strict else settings.budget
 
     def means(x0: int, y0: int, x1: int, y1: int) -> Mean:
         if not hasattr(own, "sends"):
@@ -70,7 +78,7 @@ def prepare_bounced(arrays: RadiometricArrays, settings: Settings, sender: Calla
             found = sends.sent(rays, asked, budget, places.blurred)
             return Light(found.indirect, found.error, found.status, found.evaluations)
 
-        return rule.means(x0, y0, x1, y1, look, tol, settings.budget)
+        return rule.means(x0, y0, x1, y1, look, tol, budget, settings.strict)
 
     return means
 

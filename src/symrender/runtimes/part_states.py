@@ -75,11 +75,25 @@ class Pixels:
     low: Array
     high: Array
     status: Ints
+    account: Ints | None
+    """Evaluations of all nodes of a pixel together, at most, or None without end."""
     evaluations: Ints = field(init=False)
     nodes: Ints = field(init=False)
 
     def __post_init__(self) -> None:
         self.evaluations, self.nodes = np.zeros((2, len(self.low)), np.int64)
+
+    def share(self, pixel: Ints, most: int) -> Ints:
+        """(N,) evaluations for each of N nodes of these pixels, asked together: what is left, shared alike.
+
+        Powers of two below ``most``, so that nodes of many pixels are asked together, and 1 at least.
+        """
+        if self.account is None:
+            return np.full(len(pixel), most)
+        left = np.maximum(self.account - self.evaluations, 0)
+        each = left[pixel] // np.bincount(pixel, minlength=len(left))[pixel]
+        found: Ints = np.where(each < most, 2 ** np.floor(np.log2(np.maximum(each, 1))).astype(np.int64), most)
+        return found
 
 
 def added(owner: Ints, what: Array, count: int) -> Array:

@@ -108,8 +108,9 @@ class Known:
         return np.asarray(~self.known & (self.hope[:, square] <= _HOPE * tol))
 
 
-Seen = Callable[[Array, Array, float], tuple[Array, Array, Ints, Ints]]
-"""What places of the image, columns and rows, show, to a tolerance: (values (N, C), error, status, evaluations)."""
+Seen = Callable[[Array, Array, float, float], tuple[Array, Array, Ints, Ints]]
+"""What places of the image, columns and rows, show, to a tolerance, so many of them a pixel: (values (N, C), error,
+status, evaluations)."""
 
 
 def block_means(
@@ -154,7 +155,7 @@ def _fill(tile: Tile, corners: Ints, rule: Rule, look: Seen, tol: float, slow: f
     count, (side, order) = len(corners), rule.means.shape
     across = np.tile(side * rule.nodes, count * order) + np.repeat(corners[:, 0], order**2)
     down = np.tile(np.repeat(side * rule.nodes, order), count) + np.repeat(corners[:, 1], order**2)
-    values, error, status, spent = look(across, down, INNER * tol / rule.spread)
+    values, error, status, spent = look(across, down, INNER * tol / rule.spread, order**2 / side**2)
     light = values.reshape(count, order, order, -1)
     fall = falls(np.einsum("ai,bj,njic->nbac", rule.series, rule.series, light))
     beyond = slow * missed(fall)

@@ -18,10 +18,12 @@ import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, table
+from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import LEVELS, SMOOTH, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
+from symrender.runtimes.budgets import by_share
 from symrender.runtimes.part_rules import (
     DIRECT,
     LOBES,
@@ -36,7 +38,7 @@ from symrender.runtimes.part_rules import (
     tail,
 )
 from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, afforded, spared
-from symrender.runtimes.pixel_blocks import Known, Picture, block_means
+from symrender.runtimes.pixel_blocks import SQUARES, Known, Picture, block_means
 
 INNER: Final = 0.5
 """Part of the tolerance that single rays take."""
@@ -56,7 +58,14 @@ _ENDLESS: Final = 1e12
 _TEXTURE_LEVELS: Final = 3
 """Halvings that fields which are too many to be cut at are worth: means of textures miss less in smaller cells."""
 _LEAST: Final = 2000
-"""Evaluations of a node, at least."""
+"""Evaluations of a node, at least, where the budget is not strict."""
+_NO_END: Final = 1 << 62
+_CHEAPEST: Final = 32
+"""Evaluations of a node, at least, for the nodes of a pixel to be asked where its budget is strict."""
+_TRIES: Final = 4
+"""Times that what nodes left of a strict budget is shared by those for which their shares did not last."""
+_UNKNOWN: Final = 1e300
+"""What a node may be off by that was not asked."""
 _FLOOR: Final = 1e-3
 """Part of the tolerance below which the error of a part is not what keeps a pixel from it."""
 
@@ -79,6 +88,10 @@ class Places:
     columns: Array
     rows: Array
     blurred: npt.NDArray[np.bool_]
+
+    def chosen(self, some: Ints) -> Places:
+        """Those of ``some``."""
+        return Places(self.columns[some], self.rows[some], self.blurred[some])
 
 
 Look = Callable[[Places, float, int], Light]
@@ -134,58 +147,81 @@ class PixelRule:
         self._rules = rules or (LOBES if canvas.lobes else DIRECT)
         self._own = threading.local()
 
-    def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
+    def means(
+        self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int, strict: bool = False
+    ) -> Mean:  # fmt: skip
         """Means of columns x0:x1 of rows y0:y1, row by row, each to ``tol`` or ``budget`` evaluations.
 
+        A pixel is no longer refined once it has taken its budget, of which each of its nodes may take ``1/_SHARE``.
+        All nodes of a pixel together keep to a ``strict`` budget, of which squares of pixels take half at most.
         A pixel is a function of its own parts alone, so that no tile changes a byte.
         """
-        found = self._smooth((x0, y0, x1, y1), look, tol, max(_LEAST, budget // _SHARE))
+        each = max(1 if strict else _LEAST, budget // _SHARE)
+        found = self._smooth((x0, y0, x1, y1), look, tol, each, budget // 2 if strict else _NO_END)
         left = np.flatnonzero(~found.known)
         columns, rows = np.tile(np.arange(x0, x1), y1 - y0)[left], np.repeat(np.arange(y0, y1), x1 - x0)[left]
         if len(left):
-            rest = self._cut_means(columns, rows, look, tol, budget)
+            account = budget - found.evaluations[left] if strict else None
+            rest = self._cut_means(columns, rows, look, tol, budget, each, account)
             found.values[left], found.error[left], found.status[left] = rest.values, rest.error, rest.status
             found.evaluations[left] += rest.evaluations
         return Mean(found.values, found.error, found.status, found.evaluations)
 
-    def _smooth(self, tile: tuple[int, int, int, int], look: Look, tol: float, budget: int) -> Known:
-        """What squares of pixels tell (``pixel_blocks.py``)."""
+    def _smooth(self, tile: tuple[int, int, int, int], look: Look, tol: float, most: int, budget: int) -> Known:
+        """What squares of pixels tell (``pixel_blocks.py``).
+
+        A node takes ``most`` evaluations at most, all nodes of all squares that a pixel is tried in its ``budget``.
+        """
         canvas, channels = self.canvas, self._channels
         if canvas.eye.domain != BOX or not canvas.lobes:
             return Known.nothing((tile[2] - tile[0]) * (tile[3] - tile[1]), channels)
 
-        def seen(columns: Array, rows: Array, inner: float) -> tuple[Array, Array, Ints, Ints]:
+        def seen(columns: Array, rows: Array, inner: float, density: float) -> tuple[Array, Array, Ints, Ints]:
             places = Places(columns, rows, np.zeros(len(columns), np.bool_))
-            found = look(places, inner, budget)
+            found = look(places, inner, max(1, min(most, int(budget / (len(SQUARES) * density)))))
             return found.values[:, :channels], found.error, found.status, found.evaluations
 
         room, candidates, _ = self.scratch()
         picture = Picture(canvas.eye, canvas.window, canvas.width, canvas.height, room, candidates)
         return block_means(picture, tile, seen, tol, channels, self.slow)
 
-    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
-        """The same of pixels, cut at their curves."""
+    def _cut_means(
+        self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int, each: int, account: Ints | None
+    ) -> Mean:  # fmt: skip
+        """The same of pixels, cut at their curves.
+
+        All nodes of a pixel together take its ``account`` (N,) of evaluations at most, where there is one.
+        """
         canvas, channels = self.canvas, self._channels
         starts = table(Part, len(columns))
         np.asarray(starts)["column"], np.asarray(starts)["row"] = columns, rows
         count = len(starts)
-        pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
+        pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64), account)
         grain = _GRAIN * tol / canvas.bright
+        if account is not None:
+            # more cells than can be paid for are of no use
+            grain = max(grain, _CHEAPEST / budget)
         parts, origins = self._cut(starts, grain)
         state = State.of(parts, origins, channels * self._terms)
         inner, whole = self.inner * tol, np.zeros(count)
-        each, best = max(_LEAST, budget // _SHARE), Best(np.zeros((count, channels)), np.full(count, np.inf))
+        most = np.int64(budget) if account is None else account
+        best = Best(np.zeros((count, channels)), np.full(count, np.inf))
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
             outer = state.error + self._unseen(state, pixels)
             whole = added(state.pixel, outer + state.inner, count)
             best.keep(state, whole, channels, tol)
-            raised, halved = self._next(state, outer, whole, pixels, tol, budget)
+            raised, halved = self._next(state, outer, whole, pixels, tol, most)
             if not (len(raised) or len(halved)):
                 break
             self._integrate(state, raised, pixels, look, inner, each)
             if len(halved):
                 state = self._halve(state, halved, grain)
+        if account is not None:
+            # where no rule could be paid for, a mean is between nothing and the brightest light
+            lost = best.error > 0.5 * _UNKNOWN
+            best.error[lost] = (canvas.bright + np.maximum(pixels.high, 0.0))[lost]
+            pixels.status[lost] = CAPPED
         return Mean(best.values, best.error, pixels.status, pixels.evaluations)
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
@@ -195,7 +231,7 @@ class PixelRule:
         return found + np.maximum(pixels.high, 0.0)[state.pixel] * state.parts["beside"]
 
     def _next(
-        self, state: State, outer: Array, whole: Array, pixels: Pixels, tol: float, budget: int
+        self, state: State, outer: Array, whole: Array, pixels: Pixels, tol: float, budget: Ints | np.int64
     ) -> tuple[Ints, Ints]:  # fmt: skip
         """The parts that are to take a rule of a higher order, and those that are to be halved."""
         worst = np.zeros(len(whole))
@@ -280,21 +316,51 @@ class PixelRule:
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
         pixel = state.pixel[some][owner]
-        found = self._seen_by(pixels, pixel, look(self._places(parts, places), inner, budget))
+        found = self._asked(look, self._places(parts, places), inner, budget, pixels, pixel)
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
         stated = added(owner, np.abs(weights) * found.error, len(some))
         hint = bends(owner, places, weights, found.values, len(some))
         four = np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders == 2))
         if self._rules.cornered and len(four):
             nodes = (ends[four, None] - np.arange(4, 0, -1)).ravel()
-            corners = look(self._places(parts[nodes], at_corners(places[nodes])), inner, budget)
-            self._seen_by(pixels, pixel[nodes], corners)
+            beside = self._places(parts[nodes], at_corners(places[nodes]))
+            corners = self._asked(look, beside, inner, budget, pixels, pixel[nodes])
             hint[four] = np.maximum(hint[four], cornered(weights[nodes], found.values[nodes], corners.values))
         if self._rules.told:
             for part in np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders >= TOLD)).tolist():
                 mine = slice(ends[part] - orders[part] ** 2, ends[part])
                 hint[part] = tail(int(orders[part]), weights[mine, None] * found.values[mine])
         return np.column_stack(sums), stated, hint
+
+    def _asked(
+        self, look: Look, places: Places, tol: float, most: int, pixels: Pixels, pixel: Ints
+    ) -> Light:  # fmt: skip
+        """What nodes of these pixels see, each by ``most`` evaluations or its share of what is left to its pixel.
+
+        What some leave of their shares the others of their pixel get. Nodes of a pixel that cannot pay for all of them
+        are not asked: what they state is without end.
+        """
+        if pixels.account is None:
+            return self._seen_by(pixels, pixel, look(places, tol, most))
+        count, channels = len(pixel), self._channels
+        found = Light(
+            np.zeros((count, channels)), np.full(count, _UNKNOWN), np.full(count, CAPPED), np.zeros(count, np.int64)
+        )
+        some, had = np.flatnonzero(pixels.share(pixel, most) >= _CHEAPEST), np.zeros(count, np.int64)
+        for _ in range(_TRIES):
+            shares = pixels.share(pixel[some], most)
+            more = shares >= 2 * had[some]
+            some, shares = some[more], shares[more]
+            if not len(some):
+                break
+            had[some] = shares
+            seen = by_share(lambda rows, each: look(places.chosen(rows), tol, each), some, had)
+            self._seen_by(pixels, pixel[some], seen)
+            better = seen.error < found.error[some]
+            found.values[some[better]], found.error[some[better]] = seen.values[better], seen.error[better]
+            found.status[some[better]] = seen.status[better]
+            some = some[(seen.status != MET) & (2 * seen.evaluations >= shares)]
+        return found
 
     @staticmethod
     def _seen_by(pixels: Pixels, pixel: Ints, found: Light) -> Light:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ from symrender.radiosity.coincident import coincident
 from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bounced, Bouncer
-from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
+from symrender.runtimes.bounced_pixels import DIRECT_SHARE, direct_budget, node_tolerance, prepare_bounced
 from symrender.runtimes.budgets import after, by_share
 from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
@@ -40,12 +40,9 @@ from symrender.scene.radiometric.cut import cut_reason
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
 from symrender.scene.undecided import one_but_for_roundings, one_surface
-from symrender.settings import Settings
+from symrender.settings import BUDGET, Settings
 
 Ints = npt.NDArray[np.int64]
-
-BUDGET: Final = 1_000_000
-"""Most evaluations of a ray, unless said otherwise."""
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
@@ -122,7 +119,9 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         for need in tables_needed(arrays, settings):
             table_of(need, settings.threads)
         bounced = prepare_bounced(arrays, settings, lambda: _quick_bouncer(arrays, "indirect", tol, settings.budget))
-    closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
+    closed = settings
+    if bounced:
+        closed = replace(settings, tol=DIRECT_SHARE * settings.tol, budget=direct_budget(settings))
     means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:

@@ -255,12 +255,14 @@ def prepare_series(arrays: SceneArrays, settings: Settings) -> TileKernel:
         if not hasattr(own, "scratch"):
             own.scratch = split_work(arrays, ready.lights)
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
-        found = rules[0].means(x0, y0, x1, y1, direct, share * settings.tol, settings.budget // _DIRECT_COST)
+        found = rules[0].means(
+            x0, y0, x1, y1, direct, share * settings.tol, max(1, settings.budget // _DIRECT_COST), settings.strict
+        )  # fmt: skip
         layers["direct"][here] = layers["radiance"][here] = found.values.reshape(*shape, 3)
         error, status, spent = found.error, found.status, found.evaluations
         if shines:
             look = _gloss_look(scene, ready, own.scratch)
-            more = rules[1].means(x0, y0, x1, y1, look, (1.0 - share) * settings.tol, settings.budget)
+            more = rules[1].means(x0, y0, x1, y1, look, (1.0 - share) * settings.tol, settings.budget, settings.strict)
             layers["gloss"][here] = more.values.reshape(*shape, 3)
             layers["radiance"][here] += layers["gloss"][here]
             error, status = error + more.error, np.maximum(status, more.status)

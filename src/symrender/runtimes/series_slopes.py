@@ -34,8 +34,7 @@ from symrender.runtimes.pixel_parts import Light, Look, Places
 from symrender.runtimes.series_pixels import DIRECT_SHARE, SeriesScene, direct_rounding, sections_of, window_of
 from symrender.runtimes.series_refusals import check_series_pixels
 from symrender.runtimes.speeds import Beside, Speeds
-from symrender.runtimes.swept_pixels import BUDGET as NODES
-from symrender.runtimes.swept_pixels import Beginning, SweptRule
+from symrender.runtimes.swept_pixels import Beginning, SweptRule, node_budget
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import frame_moves, frames
@@ -164,9 +163,8 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             layers[f"gloss:{name}"][here] = 0.0
             if shines:
                 look = _gloss_look(slopes, own.scratch, own.slopes)
-                more = rules[1].means(
-                    x0, y0, x1, y1, look, (1.0 - share) * settings.tol, NODES * settings.budget
-                )  # fmt: skip
+                budget = node_budget(settings, len(each))
+                more = rules[1].means(x0, y0, x1, y1, look, (1.0 - share) * settings.tol, budget, settings.strict)
                 layers[f"gloss:{name}"][here] = more.values.reshape(*shape, _CHANNELS)
                 values, error = values + more.values, error + more.error
                 status = np.maximum(status, more.status)

@@ -10,13 +10,14 @@ import math
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, Final
 
 import numpy as np
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
+from symrender.quadrature.gloss_gradients import BUDGET as STRICT
 from symrender.quadrature.split_setup import UNSUPPORTED
 from symrender.radiometric.pixels import moving, sweeps, walls
 from symrender.radiometric.pixels.records import COARSE, CUT, Part
@@ -26,6 +27,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
+from symrender.runtimes.budgets import by_share
 from symrender.runtimes.part_rules import Rules, bends
 from symrender.runtimes.part_states import Ints, Pixels, State, added
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Mean, PixelRule, Places
@@ -36,7 +38,7 @@ from symrender.settings import Settings
 
 _MOST_NODES: Final = 200_000
 """Nodes, and crossings of walls, of a part, at most."""
-BUDGET: Final = 16
+_BUDGET: Final = 16
 """Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
 _SLOW: Final = 128.0
 """Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
@@ -109,8 +111,10 @@ class SweptRule(PixelRule):
         length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
         return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0) + state.rough)
 
-    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
-        found = super()._cut_means(columns, rows, look, tol, budget)
+    def _cut_means(
+        self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int, each: int, account: Ints | None
+    ) -> Mean:  # fmt: skip
+        found = super()._cut_means(columns, rows, look, tol, budget, each, account)
         # a part of which nothing is known may have become ones that are
         found.status[:] = np.where(np.isfinite(found.error), found.status, UNSUPPORTED)
         return found
@@ -129,7 +133,8 @@ class SweptRule(PixelRule):
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
-        seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, budget)
+        shares = pixels.share(pixel, budget)
+        seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, shares)
         slopes, light, error = seen.values[:, : self._channels], seen.values[:, self._channels :], seen.error
         self._seen_by(pixels, pixel, replace(seen, values=light[:, :CHANNELS]))
         before, behind, size = beside_edges(walls, light)
@@ -162,9 +167,9 @@ class SweptRule(PixelRule):
         return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0), bent
 
     def _seen(
-        self, parts: Any, nodes: Array, fast: Array, look: Look, inner: float, budget: int
+        self, parts: Any, nodes: Array, fast: Array, look: Look, inner: float, shares: Ints
     ) -> Light:  # fmt: skip
-        """What nodes see where walls of their parts are ``fast``."""
+        """What nodes see where walls of their parts are ``fast``, each by its share (N,) of evaluations."""
         columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
         power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
@@ -172,8 +177,8 @@ class SweptRule(PixelRule):
         found = Light(np.zeros((count, 2 * self._channels + 1)), np.zeros(count), *np.zeros((2, count), np.int64))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
-            places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
-            seen = look(places, inner * 4.0**-each, budget)
+            places, finer = Places(columns[which], rows[which], np.zeros(len(which), np.bool_)), inner * 4.0**-each
+            seen = by_share(partial(_chosen, look, places, finer), np.arange(len(which)), shares[which])
             found.values[which], found.error[which] = seen.values, seen.error
             found.status[which], found.evaluations[which] = seen.status, seen.evaluations
         return found
@@ -215,6 +220,14 @@ def _fastest(owner: Ints, edges: Array, speed: Array, count: int) -> Array:
     return np.maximum(found, added(owner[rows], slowest, count))
 
 
+def node_budget(settings: Settings, count: int) -> int:
+    """Evaluations that the nodes of a pixel take for one of ``count`` derivatives.
+
+    Derivatives keep to four times a strict budget, all together, of which these are three quarters.
+    """
+    return max(1, STRICT * settings.budget * 3 // (4 * count)) if settings.strict else _BUDGET * settings.budget
+
+
 Swept = Callable[[int, int, int, int], dict[str, Mean]]
 """By a parameter's name derivatives of the pixels of a tile, row by row."""
 
@@ -233,7 +246,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
             for view, each in zip(views, moves, strict=True)
         ]
         rules[move[0]] = SweptRule(canvas, CHANNELS, turns[move[0]][0], beginning)
-    own = threading.local()
+    own, budget = threading.local(), node_budget(settings, len(wrt))
     tol = (1.0 - DIRECT_SHARE) * settings.tol
 
     def slopes(x0: int, y0: int, x1: int, y1: int) -> dict[str, Mean]:
@@ -242,7 +255,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
         found = {}
         for name, rule in rules.items():
             look = _look(own.bouncers[name], turns[name])
-            found[name] = rule.means(x0, y0, x1, y1, look, tol, BUDGET * settings.budget)
+            found[name] = rule.means(x0, y0, x1, y1, look, tol, budget, settings.strict)
         return found
 
     return slopes
@@ -260,6 +273,10 @@ def _look(bouncer: SlopeBouncer, shaking: list[Speeds]) -> Look:
         return Light(values, found.error[0], found.status[0], found.evaluations)
 
     return look
+
+
+def _chosen(look: Look, places: Places, tol: float, some: Ints, budget: int) -> Light:
+    return look(places.chosen(some), tol, budget)
 
 
 def _eyes(each: Speeds, count: int) -> tuple[Array, Array]:
