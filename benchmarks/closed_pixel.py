@@ -199,6 +199,8 @@ class Lit:
     radiance: Array
     toward: Array
     slant: Array
+    side: Array
+    """Which side of its kinks a ray is on: 0 in the dark, 1 where a spot falls off, 2 elsewhere."""
 
 
 class OneShape:
@@ -240,7 +242,7 @@ class OneShape:
         sent = unit(sent)
         place, normal = self.places(sent)
         light = self.light
-        strength = np.ones(sent.shape[:-1])
+        strength, within = np.ones(sent.shape[:-1]), 2
         if light["type"] == "directional":
             toward = np.broadcast_to(-unit(light["direction"]), sent.shape)
         else:
@@ -249,7 +251,8 @@ class OneShape:
             toward = way / np.sqrt(square)[..., None]
             strength = 1.0 / square
             if light["type"] == "spot":
-                strength = strength * beam(light, -dot(toward, np.broadcast_to(unit(light["direction"]), sent.shape)))
+                kept = beam(light, -dot(toward, np.broadcast_to(unit(light["direction"]), sent.shape)))
+                strength, within = strength * kept, np.where(kept >= 1.0, 2, np.where(kept > 0.0, 1, 0))
         out, into = -dot(normal, sent), dot(normal, toward)
         if self.material.get("two_sided", False):
             side = np.where(out < 0.0, -1.0, 1.0)
@@ -262,7 +265,7 @@ class OneShape:
         with np.errstate(all="ignore"):
             value = reflected(self.material, out, into, upright, slant, -dot(half, sent), normal, sent, toward)
             found = np.where(lit, value * into * strength, 0.0)
-        return Lit(found, toward, slant)
+        return Lit(found, toward, slant, np.where(lit, within, 0))
 
 
 def beam(light: dict[str, Any], cosine: Array) -> Array:
@@ -413,8 +416,11 @@ class Squares:
         )
 
 
-def rules(one: OneShape, panels: Panels, squares: Squares, kind: str, reached: float) -> tuple[Array, Array, Array]:
-    """(rule of HIGH nodes, what it and LOW differ by, whether light turns too much) of each square."""
+def rules(
+    one: OneShape, panels: Panels, squares: Squares, kind: str, reached: float
+) -> tuple[Array, Array, Array, Array]:
+    """(rule of HIGH nodes, its difference from LOW, whether light turns too much, whether it has a kink) of each."""
+    sides: list[Array] = []
     sums, rough, sizes = [], np.zeros(len(squares.side), bool), np.zeros(len(squares.side))
     for count in (LOW, HIGH):
         nodes, weights = NODES[count]
@@ -436,6 +442,7 @@ def rules(one: OneShape, panels: Panels, squares: Squares, kind: str, reached: f
         lit = one.look(one.view.rays(x, y))
         share = weights[None, :, None] * weights[None, None, :] / 4.0 * squares.side[:, None, None] ** 2
         sums.append((share * measure * lit.radiance).sum(axis=(1, 2)))
+        sides.append(lit.side.reshape(len(x), -1))
         if count == LOW:
             flat = lit.slant.reshape(len(x), -1, 3), lit.toward.reshape(len(x), -1, 3)
             span = np.linalg.norm(flat[0].max(axis=1) - flat[0].min(axis=1), axis=1)
@@ -444,16 +451,18 @@ def rules(one: OneShape, panels: Panels, squares: Squares, kind: str, reached: f
             rough = (span > near + one.wide) | (turn > TURN)
         else:
             sizes = (share * np.abs(measure) * lit.radiance).sum(axis=(1, 2))
-    return sums[1], np.abs(sums[1] - sums[0]) + 1e-14 * sizes, rough
+    side = np.concatenate(sides, axis=1)
+    return sums[1], np.abs(sums[1] - sums[0]) + 1e-14 * sizes, rough, side.max(axis=1) != side.min(axis=1)
 
 
 def means(
-    one: OneShape, pixels: Any, kind: str, radius: float, asked: Array, turns: int = 6
+    one: OneShape, pixels: Any, kind: str, radius: float, asked: Array, turns: int = 6, kinks: int = 0
 ) -> tuple[Array, Array, int]:
     """(means over pixels (x, y), doubts, squares used); each is sought to ``asked``, per unit of the light's colour.
 
-    Squares are quartered for what turns in them at most ``turns`` times, and for what their rules differ by until all
-    that a pixel's differ by is what is asked.
+    Squares are quartered for what turns in them at most ``turns`` times, those with kinks ``kinks`` times, for rules of
+    few nodes agree by chance beside them, and for what their rules differ by until all that a pixel's differ by is what
+    is asked.
     """
     panels, reached = panels_of(one, pixels, kind, radius), reach(kind, radius)
     count, number = len(panels.x0), len(asked)
@@ -469,18 +478,48 @@ def means(
             for at in range(0, len(live.side), BATCH)
         ]
         used += len(live.side)
-        sums, off, rough = (np.concatenate([part[k] for part in parts]) for k in range(3))
+        sums, off, rough, bent = (np.concatenate([part[k] for part in parts]) for k in range(4))
         owner = panels.pixel[live.panel]
         due = np.bincount(owner, off, number) + kept_doubt > asked
         # what is left may take its share of what is asked
         least = 0.02 * asked[owner]
-        halved = (due[owner] & (off > least) & (off > 1e-3 * np.bincount(owner, off, number)[owner])) | (
-            rough & (depth < turns)
+        halved = (
+            (due[owner] & (off > least) & (off > 1e-3 * np.bincount(owner, off, number)[owner]))
+            | (rough & (depth < turns))
+            | (bent & (depth < kinks))
         )
-        if depth >= DEEPEST or used > MOST or not halved.any():
+        if depth >= DEEPEST or used > MOST * (1 + kinks) or not halved.any():
             halved = np.zeros(len(sums), bool)
         kept_value += np.bincount(owner[~halved], sums[~halved], number)
         kept_doubt += np.bincount(owner[~halved], off[~halved], number)
         if not halved.any():
             return kept_value, kept_doubt, used
         live, depth = live.part(halved).quarters(), depth + 1
+
+
+SHIFTS = 8
+"""Lattices of which the spread tells what their mean may be off by."""
+
+
+def lattice_mean(
+    one: OneShape, pixel: Any, kind: str, radius: float, rng: np.random.Generator, side: int
+) -> tuple[float, float]:
+    """(mean over a pixel by lattices of side x side places shifted at random, its standard error).
+
+    No rule stands behind it, and nothing in it is smooth: rules of few nodes agree by chance beside kinks, where a spot
+    ends say, and where the cells of one rule end as those of another do.
+    """
+    reached = 0.5 if kind == "box" else reach(kind, radius)
+    found = []
+    for _ in range(SHIFTS):
+        shift = rng.random(2)
+        x, y = (reached * (2.0 * (np.arange(side) + s) / side - 1.0) for s in shift)
+        across, total = weight(kind, reached, x), 0.0
+        for rows in np.array_split(np.arange(side), max(1, side * side // 500_000)):
+            columns, lines = np.meshgrid(pixel[0] + 0.5 + x, pixel[1] + 0.5 + y[rows])
+            left, right = ends(one.region, lines, np.full_like(lines, -1e300), np.full_like(lines, 1e300))
+            light = one.look(one.view.rays(columns, lines)).radiance
+            light = np.where((columns >= left) & (columns <= right), light, 0.0)
+            total += float((light * across).sum(axis=1) @ weight(kind, reached, y[rows]))
+        found.append(total * (2.0 * reached / side) ** 2)
+    return float(np.mean(found)), float(np.std(found, ddof=1) / np.sqrt(SHIFTS))

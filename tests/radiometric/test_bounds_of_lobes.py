@@ -85,7 +85,7 @@ def test_no_place_of_a_cell_weighs_or_shows_more() -> None:
                 tuple(middle), tuple(size * np.array(vx)), tuple(size * np.array(vy)), 0, 1.0, 0.0, 0.0, 0.0, 1.0
             )
             lobe = Lobe(own, world, tuple(up), tuple(turned), tuple(view), (0.9, 0.5, 0.2), area)
-            eye = Eye(world, world, place, None, None, 0.0, True, True, BOX, None, None, lobe)  # type: ignore[arg-type]
+            eye = Eye(world, world, place, None, None, 0.0, True, BOX, None, None, lobe)  # type: ignore[arg-type]
             # from inside a ball all of a wide cell may be anywhere
             with np.errstate(divide="ignore"):
                 limit = put_reach(eye, cell, scratch)

@@ -182,7 +182,7 @@ def test_a_piece_is_only_where_it_may_be_seen() -> None:
     for _ in range(150):
         place = tuple((rng.uniform(-1.8, 1.8, 3) + np.array([0, 0, 1.2])).tolist())
         lobe = Lobe(-1, world, (0, 0, 1.0), (0, 0, 1.0), (0, 0, 1.0), (1.0, 1.0, 1.0), 1.0)
-        eye = Eye(world, world, place, None, None, 0.0, True, True, BOX, None, None, lobe)  # type: ignore[arg-type]
+        eye = Eye(world, world, place, None, None, 0.0, True, BOX, None, None, lobe)  # type: ignore[arg-type]
         v = rng.normal(size=3)
         vx = np.cross(v, rng.normal(size=3)) * rng.choice([0.01, 0.1, 0.5])
         vy = np.cross(v, vx) * rng.choice([0.05, 0.2, 1.0])

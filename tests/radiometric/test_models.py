@@ -157,7 +157,7 @@ def test_the_turned_normal_of_a_cell_is_that_of_its_rays() -> None:
         v = -eye + rng.normal(size=3) * 0.2
         size = float(rng.choice([0.2, 0.05, 0.01]))
         vx, vy = (tuple((size * rng.normal(size=3)).tolist()) for _ in range(2))
-        seen = Eye(world, world, tuple(eye.tolist()), table(Wall, 0), None, 1.0, True, True, BOX)  # type: ignore[arg-type]
+        seen = Eye(world, world, tuple(eye.tolist()), table(Wall, 0), None, 1.0, True, BOX)  # type: ignore[arg-type]
         cell = Cell(tuple(v.tolist()), vx, vy, 0, 1.0, 0.0, 0.0, 0.0, 1.0)
         put_bump(seen, cell, 0, room.models)
         for _ in range(20):
@@ -210,7 +210,7 @@ def test_a_wall_that_misses_a_cell_is_nowhere_in_it() -> None:
         v = -eye + rng.normal(size=3) * 0.2
         size = float(rng.choice([0.1, 0.03]))
         vx, vy = (tuple((size * rng.normal(size=3)).tolist()) for _ in range(2))
-        seen = Eye(world, world, tuple(eye.tolist()), table(Wall, 0), None, 1.0, True, True, BOX)  # type: ignore[arg-type]
+        seen = Eye(world, world, tuple(eye.tolist()), table(Wall, 0), None, 1.0, True, BOX)  # type: ignore[arg-type]
         cell = Cell(tuple(v.tolist()), vx, vy, 0, 1.0, 0.0, 0.0, 0.0, 1.0)
         wall, out = record(Wall), np.zeros(TERMS)
         for light in (-1, 0):

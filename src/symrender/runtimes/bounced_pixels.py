@@ -54,7 +54,7 @@ def canvas_of(view: Seen, settings: Settings) -> Canvas:
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     eye = Eye(
-        view.world, mean_world(view.world), place, seen_walls(view), families_of(view), bright, True, True,
+        view.world, mean_world(view.world), place, seen_walls(view), families_of(view), bright, True,
         DOMAINS[settings.filter], hot=hot_places(view.world),
     )  # fmt: skip
     return Canvas(eye, view.window, settings.width, settings.height, settings.reach, bright, True)

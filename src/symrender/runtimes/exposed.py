@@ -162,7 +162,7 @@ class _Scratch:
             inner = BOX
         self.eye = Eye(
             world, mean, _triple(view.eye), table(Wall, count), table(Family, len(families)), bright,
-            False, delicate(arrays), inner,
+            delicate(arrays), inner,
         )  # fmt: skip
         self.exposed = Exposed(
             still, self.eye, motion, lens_of(arrays, view), settings.width, settings.height,

@@ -2,7 +2,8 @@
 
 A pixel is cut at its curves (``radiometric/pixels/parts.py``). Every part takes two rules, the difference of which is
 its error; while the errors of a pixel's parts add up to more than is asked, those of the largest are looked at more
-closely, all pixels of a tile at once. What the rays themselves state is added.
+closely, all pixels of a tile at once. What the rays themselves state is added. The file is long because cutting, asking
+and refining share one state and one budget.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def eye_of(arrays: RadiometricArrays, view: Seen, domain: int) -> Eye:
     found, coordinates = wall_tables(view)
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
-    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, True, delicate(arrays), domain)
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, delicate(arrays), domain)
 
 
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:

@@ -155,9 +155,9 @@ class SeriesScene:
         if len(walls) > MOST_WALLS:
             raise Unsupported(f"filter: {settings.filter} cuts at {MOST_WALLS} walls at most, got {len(walls)}")
         families = families_at(lit, eye)
-        direct = Eye(lit, mean_world(lit), place, walls, families, bright, True, True, domain, relative=True)
+        direct = Eye(lit, mean_world(lit), place, walls, families, bright, True, domain, relative=True)
         outlines = series_walls(glossy, eye, table(Section, 0))
-        gloss = Eye(glossy, glossy, place, outlines, table(Family, 0), bright, True, True, domain)
+        gloss = Eye(glossy, glossy, place, outlines, table(Family, 0), bright, True, domain)
         reach = settings.reach
         return SeriesScene(
             arrays, settings, Canvas(direct, window, width, height, reach, bright, False),

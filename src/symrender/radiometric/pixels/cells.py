@@ -47,8 +47,7 @@ class Lobe(NamedTuple):
 class Eye(NamedTuple):
     """What is the same for all cells: the world, the same with textures of planes replaced by their means.
 
-    ``bright`` is a radiance of the scene that what nodes have not seen is taken to have. ``bounded`` says whether
-    highlights between nodes are bounded; within means over a lens or time they are not yet. ``domain`` says what places
+    ``bright`` is a radiance of the scene that what nodes have not seen is taken to have. ``domain`` says what places
     weigh. All rays pass ``place``; they begin there, or, of a lens, one v before it, so that walls behind ``place`` are
     walls too.
     """
@@ -59,7 +58,6 @@ class Eye(NamedTuple):
     walls: Table[Wall]
     families: Table[Family]
     bright: float
-    bounded: bool
     delicate: bool
     domain: int
     nodes: Nodes | None = None

@@ -113,7 +113,7 @@ def pixel_at(
     for k in range(count):
         candidates[k] = k
     seen = Eye(
-        eye.world, eye.mean, at, eye.walls, eye.families, eye.bright, eye.bounded, eye.delicate, ex.filter,
+        eye.world, eye.mean, at, eye.walls, eye.families, eye.bright, eye.delicate, ex.filter,
         eye.nodes, eye.hot, eye.lobe, eye.relative,
     )  # fmt: skip
     spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
@@ -129,7 +129,7 @@ def lens_at(
     a = (2.0 * i + 1.0 + 2.0 * ex.radius * x) / ex.width - 1.0
     b = 1.0 - (2.0 * j + 1.0 - 2.0 * ex.radius * y) / ex.height
     seen = Eye(
-        eye.world, eye.mean, place_at(eye.place, ex.motion, t), eye.walls, eye.families, eye.bright, eye.bounded,
+        eye.world, eye.mean, place_at(eye.place, ex.motion, t), eye.walls, eye.families, eye.bright,
         eye.delicate, DISK, eye.nodes, eye.hot, eye.lobe, eye.relative,
     )  # fmt: skip
     return lens_mean(seen, ex.lens, a, b, room, candidates, tol, budget)
@@ -170,14 +170,14 @@ def depths_seen(ex: Exposed, i: int, j: int, t: float, room: Room) -> tuple[floa
             p, q = 2.0 * (reach + 0.5) / ex.width, 2.0 * (reach + 0.5) / ex.height
             cell = Cell(v, (p * r[0], p * r[1], p * r[2]), (q * u[0], q * u[1], q * u[2]), 0, 1.0, 1.0, 0.0, 0.0, 1.0)
             seen = Eye(
-                eye.world, eye.mean, place, eye.walls, eye.families, eye.bright, eye.bounded, eye.delicate, BOX,
+                eye.world, eye.mean, place, eye.walls, eye.families, eye.bright, eye.delicate, BOX,
                 eye.nodes, eye.hot, eye.lobe, eye.relative,
             )  # fmt: skip
             near, far = widen(seen, cell, room, focus, near, far)
         v = (focus * v[0], focus * v[1], focus * v[2])
         at = (place[0] + v[0], place[1] + v[1], place[2] + v[2])
         seen = Eye(
-            eye.world, eye.mean, at, eye.walls, eye.families, eye.bright, eye.bounded, eye.delicate, DISK,
+            eye.world, eye.mean, at, eye.walls, eye.families, eye.bright, eye.delicate, DISK,
             eye.nodes, eye.hot, eye.lobe, eye.relative,
         )  # fmt: skip
         cell = Cell(

@@ -276,7 +276,7 @@ def shape_light(eye: Eye, cell: Cell, room: Room, own: int, view: Cap) -> float:
 @jitable
 def hidden_light(eye: Eye, cell: Cell, room: Room, limit: float) -> float:
     """The largest radiance of lamps that few nodes of a cell may not resolve: highlights and places near a lamp."""
-    if not (eye.delicate and eye.bounded):
+    if not eye.delicate:
         return 0.0
     back, _, _ = directions_of(minus_of(cell.v), cell.vx, cell.vy)
     most = 0.0

@@ -58,7 +58,7 @@ def lens_mean(
     for k in range(count):
         candidates[k] = k
     seen = Eye(
-        eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.bounded, eye.delicate, eye.domain,
+        eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.delicate, eye.domain,
         eye.nodes, eye.hot, eye.lobe, eye.relative,
     )  # fmt: skip
     spent = stated_mean(seen, whole, room, candidates, count, tol, budget)

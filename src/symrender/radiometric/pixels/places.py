@@ -94,7 +94,7 @@ def fill_sent(
         first = (first[0] / size, first[1] / size, first[2] / size)
         second = cross(up, first)
         lobe = Lobe(own, sight, up, by, view, (albedo[k, 0], albedo[k, 1], albedo[k, 2]), 0.0)
-        eye = Eye(world, mean, at, walls, families, 0.0, True, True, BOX, None, None, lobe, False)
+        eye = Eye(world, mean, at, walls, families, 0.0, True, BOX, None, None, lobe, False)
         evaluations[k] = int(worst_sum(eye, lobe, first, second, count, queue, room, tol, budget))
         error[k] = room.best[6]
         for c in range(3):

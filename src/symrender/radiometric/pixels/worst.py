@@ -164,7 +164,7 @@ def window_eye(eye: Eye, face: int, facing: Vector, first: Vector, second: Vecto
     v, vx, vy, area = window_of(face, facing, first, second)
     seen = Lobe(lobe.own, lobe.sight, lobe.facing, lobe.turned, lobe.view, lobe.albedo, area)
     return (
-        Eye(eye.world, eye.mean, eye.place, eye.walls, eye.families, 0.0, True, True, BOX, None, None, seen, False),
+        Eye(eye.world, eye.mean, eye.place, eye.walls, eye.families, 0.0, True, BOX, None, None, seen, False),
         Cell(v, vx, vy, 0, 1.0, 0.0, 0.0, 0.0, 1.0),
     )  # fmt: skip
 
