@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from closed_pixel import OneShape, ends, lattice_mean, means, unit
+from closed_pixel import OneShape, ends, means, midpoint_mean, unit
 from measure import Report
 
 import symrender as sr
@@ -32,8 +32,6 @@ FACTOR, TOLD, ROUNDED, FAINT = 1.5, 0.2, 1e-11, 1e-12
 nobody misses of a light to which an image is scaled."""
 KINKS = 11
 """Times that squares with kinks are quartered before anybody is accused."""
-LATTICE, SURE = 4096, 5.0
-"""Side of the lattices that have the last word, and standard errors that they are doubted by."""
 LEAST = 1e-11
 """Of a light's intensity, what images are scaled to 1 from, at least."""
 A_SCENE = 8
@@ -274,9 +272,10 @@ def case(seed: int, plant: bool) -> dict[str, Any]:
         off[again] = np.abs(values[again] - finer[:, None] * one.color).max(axis=1)
         beyond = off > FACTOR * stated + 2.0 * doubt
     for k in np.flatnonzero(beyond).tolist():
-        # a beam that no node meets is no kink to rules; lattices have the last word where they know it better
-        found, unsure = lattice_mean(one, everyone[k], made["filter"], made["filter_radius"], rng, LATTICE)
-        gap, unsure = np.abs(values[k] - found * one.color).max(), SURE * unsure * color + FAINT * level
+        # a beam that no node meets is no kink to rules; sums of many places have the last word where they know better
+        asked_ = 0.1 * max(FACTOR * stated[k] / color, FAINT * level)
+        found, unsure = midpoint_mean(one, everyone[k], made["filter"], made["filter_radius"], asked_)
+        gap, unsure = np.abs(values[k] - found * one.color).max(), 2.0 * unsure * color + FAINT * level
         if unsure < 0.25 * off[k]:
             mean[k], off[k], doubt[k], beyond[k] = found, gap, unsure, gap > FACTOR * stated[k] + unsure
     return made | {
