@@ -55,10 +55,10 @@ def cross(v: Triple, w: Triple) -> Triple:
     return (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0])
 
 
-def check_frame(normal: Triple, x: Triple) -> None:
-    """Raise PydanticCustomError where a plane's ``normal`` and its field ``along`` make no frame."""
-    for name, direction in (("normal", normal), ("along", x)):
+def check_frame(normal: Triple, x: Triple, called: str = "normal") -> None:
+    """Raise PydanticCustomError where a direction ``called`` so and the field ``along`` make no frame."""
+    for name, direction in ((called, normal), ("along", x)):
         if coincide(direction, (0.0, 0.0, 0.0)):
             raise PydanticCustomError("scene", f"{name} must be longer than zero")
     if along(x, normal):
-        raise PydanticCustomError("scene", "along must not be parallel to normal: the texture would have no x")
+        raise PydanticCustomError("scene", f"along must not be parallel to {called}: the texture would have no x")

@@ -14,7 +14,17 @@ from symrender.scene.formula import Step, steps_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
 from symrender.scene.radiometric.exposure import Exposure, exposure_of
-from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
+from symrender.scene.radiometric.materials import (
+    Checker,
+    Conductor,
+    Dielectric,
+    Diffuse,
+    Marble,
+    Phong,
+    Plastic,
+    Reflectance,
+    Solid,
+)
 from symrender.scene.radiometric.materials import Material as MaterialPart
 from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -28,6 +38,8 @@ Array = npt.NDArray[np.float64]
 DIFFUSE: Final = 0
 CONDUCTOR: Final = 1
 PHONG: Final = 2
+DIELECTRIC: Final = 3
+PLASTIC: Final = 4
 
 # densities of facet normals
 GGX: Final = 0
@@ -40,6 +52,7 @@ TRIANGLE: Final = 4
 DISK: Final = 5
 BOX: Final = 6
 MESH: Final = 7
+CYLINDER: Final = 8
 
 # kinds of a light; a point is POINT
 POINT: Final = 0
@@ -75,7 +88,7 @@ ALL: Final = 1 << 30
 
 @dataclass(frozen=True)
 class RadiometricArrays:
-    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
+    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes, disks and cylinders lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
     ``axis`` of the others is its unit vector. ``facets`` are those of all meshes, ``terms`` those of the heights of all
@@ -159,10 +172,10 @@ def laid_out(
     materials: Table[Material], terms: Table[Term], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light],
     directions: Array, camera: Camera, bounces: int, exposure: Exposure, first_gloss: bool,
 ) -> RadiometricArrays:  # fmt: skip
-    """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
+    """The records of a scene, and what follows: frames of planes, disks and cylinders, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
     for j, row in enumerate(shapes):
-        if row.kind in (PLANE, DISK):
+        if row.kind in (PLANE, DISK, CYLINDER):
             places[j] = frames(plane_record(row))[0]
     for i, light in enumerate(lit):
         if light.kind in (DIRECTIONAL, SPOT):
@@ -175,7 +188,7 @@ def laid_out(
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:
-    """Where a plane or a disk lies, as the one record of a table."""
+    """Where a plane, a disk or a cylinder lies, as the one record of a table."""
     one = table(PlaneRecord, 1)
     one[0].point[:], one[0].normal[:], one[0].along[:] = shape.place, shape.normal, shape.along
     return one
@@ -192,6 +205,9 @@ def _lay_shape(shape: ShapePart, row: Shape) -> None:
         case shapes.Disk():
             row.kind, row.radius = DISK, shape.radius
             row.place[:], row.normal[:], row.along[:] = shape.center, shape.normal, shape.along
+        case shapes.Cylinder():
+            row.kind, row.radius, row.caps = CYLINDER, shape.radius, shape.caps
+            row.place[:], row.normal[:], row.along[:] = shape.base, shape.axis, shape.along
         case shapes.Rectangle():
             row.kind = RECTANGLE
             row.place[:], row.second[:], row.third[:] = shape.corner, shape.edge_u, shape.edge_v
@@ -228,13 +244,25 @@ def _lay_material(material: MaterialPart, row: Material) -> None:
             row.kind = DIFFUSE
         case Conductor():
             row.kind = CONDUCTOR
-            row.density = BECKMANN if material.distribution == "beckmann" else GGX
-            row.alpha = material.alpha
+            _lay_facets_of(material, row)
             row.eta[:], row.k[:] = material.eta, material.k
-            row.correlated = material.masking == "correlated"
-            row.walter = material.g1 == "walter"
+        case Dielectric():
+            row.kind, row.ior, row.thin = DIELECTRIC, material.ior, material.thin
+            _lay_facets_of(material, row)
+            row.transmitted[:] = material.transmittance
+        case Plastic():
+            row.kind, row.ior, row.nonlinear = PLASTIC, material.ior, material.nonlinear
+            _lay_facets_of(material, row)
+            row.specular[:] = material.specular
         case Phong():
             row.kind, row.exponent = PHONG, material.exponent
+
+
+def _lay_facets_of(material: Conductor | Dielectric | Plastic, row: Material) -> None:
+    row.density = BECKMANN if material.distribution == "beckmann" else GGX
+    row.alpha = material.alpha
+    row.correlated = material.masking == "correlated"
+    row.walter = material.g1 == "walter"
 
 
 def _lay_bump(material: MaterialPart, row: Material, steps: list[Step]) -> None:

@@ -2,7 +2,52 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from symrender.errors import Unsupported
+from symrender.scene.arrays import PLANE
+from symrender.scene.radiometric.arrays import (
+    BOX,
+    CONDUCTOR,
+    CYLINDER,
+    DIELECTRIC,
+    DIFFUSE,
+    DISK,
+    MESH,
+    PHONG,
+    PLASTIC,
+    RECTANGLE,
+    SPHERE,
+    TRIANGLE,
+    RadiometricArrays,
+)
+from symrender.scene.radiometric.records import Material
+
+_SHAPES: Final = frozenset({PLANE, SPHERE, RECTANGLE, TRIANGLE, DISK, BOX, MESH})
+_MATERIALS: Final = frozenset({DIFFUSE, CONDUCTOR, PHONG})
+"""What quadrature integrates; everything else is sampled."""
+_NAMES: Final = {CYLINDER: "a cylinder"}
+_MATERIAL_NAMES: Final = {CONDUCTOR: "a smooth conductor", DIELECTRIC: "a dielectric", PLASTIC: "plastic"}
+
+
+def refuse_sampled(arrays: RadiometricArrays) -> None:
+    """Raise ``Unsupported`` for shapes and materials that the path tracer alone knows."""
+    for j, shape in enumerate(arrays.shapes):
+        kind, material = int(shape.kind), arrays.materials[int(shape.material)]
+        if kind not in _SHAPES:
+            raise Unsupported(
+                f"shapes[{j}]: {_NAMES.get(kind, 'its type')} is not integrated by quadrature; method: sampled takes it"
+            )
+        if not _is_integrated(material):
+            name = _MATERIAL_NAMES.get(int(material.kind), "its type")
+            raise Unsupported(
+                f"the material of shapes[{j}]: {name} is not integrated by quadrature; method: sampled takes it"
+            )
+
+
+def _is_integrated(material: Material) -> bool:
+    mirror = material.kind == CONDUCTOR and (material.alpha == 0.0 or bool((material.eta == 0.0).any()))
+    return int(material.kind) in _MATERIALS and not mirror
 
 
 def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:

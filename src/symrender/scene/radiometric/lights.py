@@ -85,7 +85,8 @@ class Area(Part):
     type: Literal["area"] = "area"
     name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
     shape: Annotated[
-        PartName, Field(description="name of the shape that emits, a sphere, rectangle, triangle, disk, box or mesh")
+        PartName,
+        Field(description="name of the shape that emits, a sphere, rectangle, triangle, disk, cylinder, box or mesh"),
     ]
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 

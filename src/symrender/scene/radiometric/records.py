@@ -16,6 +16,9 @@ class Material(Record):
     ``density`` GGX or BECKMANN; ``correlated`` and ``walter`` 0 or 1 as ``masking`` and ``g1`` of the scene say. With a
     bump ``terms`` is not 0: its height is ``amplitude`` times the last of so many terms from ``begin`` on, ``own`` says
     whether they are of the surface's own coordinates, ``geometric`` whether light arrives by the cosine of its normal.
+    A DIELECTRIC has its relative index ``ior``, ``transmitted``, a factor of what goes through, and 1 for ``thin``; a
+    PLASTIC ``ior``, ``specular``, a factor of what its layer reflects, and 1 for ``nonlinear``. What is smooth has
+    ``alpha`` 0.
     """
 
     kind: float
@@ -36,6 +39,11 @@ class Material(Record):
     terms: float
     own: float
     geometric: float
+    ior: float
+    transmitted: Three
+    thin: float
+    specular: Three
+    nonlinear: float
 
 
 class Term(Record):
@@ -58,7 +66,8 @@ class Shape(Record):
     A PLANE is ``place``, ``normal`` and ``along``, of any length; a SPHERE ``place`` (its centre) and ``radius``; a
     DISK all of these. A RECTANGLE is ``place`` (its corner) and the edges ``second`` and ``third``; a TRIANGLE the
     vertices ``place``, ``second`` and ``third``; a BOX ``place`` (its centre), its size ``second`` and ``rotation``
-    in degrees. A MESH stands at ``place``, its lengths times ``radius``, turned by ``rotation``; it has ``faces``
+    in degrees. A CYLINDER is ``place`` (the centre of its base), ``normal`` (its axis, as long as it is), ``along``,
+    ``radius`` and 1 for ``caps``. A MESH stands at ``place``, its lengths times ``radius``, turned by ``rotation``; it has ``faces``
     facets from ``start`` on.
     """
 
@@ -73,6 +82,7 @@ class Shape(Record):
     rotation: float
     start: float
     faces: float
+    caps: float
 
 
 class Facet(Record):

@@ -14,7 +14,7 @@ from symrender.scene.printable import shown
 from symrender.scene.radiometric.camera import LensCamera
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape
+from symrender.scene.radiometric.shapes import Box, Cylinder, Mesh, Plane, Shape
 from symrender.scene.radiometric.values import Times
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
@@ -37,7 +37,7 @@ class RadiometricScene(Root):
     """A camera, materials by name, shapes and lights; lengths in metres, powers in watts, rgb channel by channel.
 
     ``bounces`` 0 is emission and direct light, 1, 2, ... add as many more reflections, ``all`` all of them. With
-    ``gloss: first_hit`` conductors and phong materials reflect where they are seen, and are black to other surfaces.
+    ``gloss: first_hit`` what is not diffuse reflects where it is seen, and is black to other surfaces.
     What has a ``velocity`` is at its place at time 0, in seconds, and the image is the mean over the times of
     ``shutter``.
     """
@@ -51,7 +51,7 @@ class RadiometricScene(Root):
     camera: Annotated[LensCamera, Field(description="who looks")]
     gloss: Annotated[
         Literal["every_hit", "first_hit"],
-        Field(description="where conductors and phong materials reflect; after the first hit, black or not"),
+        Field(description="where what is not diffuse reflects; after the first hit, black or not"),
     ] = "every_hit"
     shutter: Annotated[Times, Field(description="when it opens and closes: the image is the mean over that time")] = (
         0.0,
@@ -82,9 +82,9 @@ class RadiometricScene(Root):
                 raise wrong(_unknown("material", shape.material, self.materials), "shapes", index, "material")
         for index, shape in enumerate(self.shapes):
             bump = self.materials[shape.material].bump
-            if bump is not None and bump.coordinates == "own" and isinstance(shape, Box | Mesh):
+            if bump is not None and bump.coordinates == "own" and isinstance(shape, Box | Cylinder | Mesh):
                 raise wrong(
-                    f"'{shape.material}' has a bump in coordinates: own, and a {shape.type} has others on every face; "
+                    f"'{shape.material}' has a bump in coordinates: own, and a {shape.type} has others at every place; "
                     "coordinates: world are known",
                     "shapes", index, "material",
                 )  # fmt: skip
@@ -110,7 +110,8 @@ class RadiometricScene(Root):
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
             if isinstance(shape, Plane):
                 raise wrong(
-                    f"must name a sphere, rectangle, triangle, disk, box or mesh, got the plane '{light.shape}'", *where
+                    f"must name a sphere, rectangle, triangle, disk, cylinder, box or mesh, got the plane '{light.shape}'",
+                    *where,
                 )
             if light.shape in emitters:
                 raise wrong(f"'{light.shape}' is the shape of lights[{emitters[light.shape]}] already", *where)

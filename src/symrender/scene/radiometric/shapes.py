@@ -110,16 +110,44 @@ class Disk(Part):
     @classmethod
     def _along_is_beside(cls, data: Any) -> Any:
         """Without ``along``, the axis that is farther from the normal: x, or y beside it."""
-        normal = data.get("normal") if isinstance(data, dict) else None
-        if not isinstance(normal, list | tuple) or len(normal) != _AXES or "along" in data:
-            return data
-        if all(isinstance(c, int | float) for c in normal) and abs(normal[0]) > max(abs(normal[1]), abs(normal[2])):
-            return {**data, "along": (0.0, 1.0, 0.0)}
-        return data
+        return _beside(data, "normal")
 
     @model_validator(mode="after")
     def _has_a_frame(self) -> Self:
         check_frame(self.normal, self.along)
+        return self
+
+
+class Cylinder(Part):
+    """The side of a cylinder, with or without the two disks that close it; its normals point outward.
+
+    Of the texture x is the angle about the axis from ``along``, plus a half turn, in half turns, so that it runs from 0
+    to 2; y runs from 0 at the base to 1 at the top, on the disks from 0 on the axis to 1 at the rim.
+    """
+
+    type: Literal["cylinder"] = "cylinder"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    base: Annotated[Point3, Field(description="centre of its base")]
+    axis: Annotated[Point3, Field(description="from the centre of its base to that of its top")]
+    radius: Annotated[Length, Field(description="radius")]
+    caps: Annotated[bool, Field(description="whether disks close it at both ends")] = False
+    along: Annotated[Point3, Field(description="where angles of the texture begin, less its part along the axis")] = (
+        1.0,
+        0.0,
+        0.0,
+    )
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _along_is_beside(cls, data: Any) -> Any:
+        """Without ``along``, the axis that is farther from the cylinder's."""
+        return _beside(data, "axis")
+
+    @model_validator(mode="after")
+    def _has_a_frame(self) -> Self:
+        check_frame(self.axis, self.along, "axis")
         return self
 
 
@@ -191,6 +219,16 @@ class Mesh(Part):
         return self
 
 
+def _beside(data: Any, key: str) -> Any:
+    """The fields of a shape with ``along`` y where none is given and the direction ``key`` is closest to x."""
+    normal = data.get(key) if isinstance(data, dict) else None
+    if not isinstance(normal, list | tuple) or len(normal) != _AXES or "along" in data:
+        return data
+    if all(isinstance(c, int | float) for c in normal) and abs(normal[0]) > max(abs(normal[1]), abs(normal[2])):
+        return {**data, "along": (0.0, 1.0, 0.0)}
+    return data
+
+
 def _check_edges(u: Triple, v: Triple, first: str, second: str) -> None:
     """Raise PydanticCustomError where two edges span no area."""
     for name, edge in ((first, u), (second, v)):
@@ -200,4 +238,4 @@ def _check_edges(u: Triple, v: Triple, first: str, second: str) -> None:
         raise PydanticCustomError("scene", f"{first} must not be parallel to {second}: the shape would have no area")
 
 
-Shape = Annotated[Plane | Sphere | Rectangle | Triangle | Disk | Box | Mesh, Field(discriminator="type")]
+Shape = Annotated[Plane | Sphere | Rectangle | Triangle | Disk | Cylinder | Box | Mesh, Field(discriminator="type")]

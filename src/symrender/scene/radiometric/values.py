@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_COORDINATE, MAX_EXPONENT, MAX_INDEX, MAX_RADIANCE, MAX_TIME, MIN_ALPHA, MIN_INDEX
 from symrender.scene.values import Length, listed
@@ -19,7 +20,18 @@ def triple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-Alpha = Annotated[float, Field(ge=MIN_ALPHA, le=1, json_schema_extra={"unit": "1"})]
+def _smooth_or_rough(value: float) -> float:
+    """Refuse a roughness of which facets have no double-precision density."""
+    if 0.0 < value < MIN_ALPHA:
+        raise PydanticCustomError(
+            "scene",
+            "must be 0, which is smooth, or at least {least}, got {value}",
+            {"least": MIN_ALPHA, "value": value},
+        )
+    return value
+
+
+Alpha = Annotated[float, Field(ge=0, le=1, json_schema_extra={"unit": "1"}), AfterValidator(_smooth_or_rough)]
 Index = Annotated[float, Field(ge=MIN_INDEX, le=MAX_INDEX, json_schema_extra={"unit": "1"})]
 Extinction = Annotated[float, Field(ge=0, le=MAX_INDEX, json_schema_extra={"unit": "1"})]
 Power = Annotated[float, Field(ge=0, le=MAX_EXPONENT, json_schema_extra={"unit": "1"})]
@@ -39,7 +51,8 @@ Size3 = Annotated[tuple[Length, Length, Length], BeforeValidator(listed)]
 _Place = Annotated[int, Field(ge=0)]
 Corners = Annotated[tuple[_Place, _Place, _Place], BeforeValidator(listed)]
 Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
-Indices = Annotated[tuple[Index, Index, Index], BeforeValidator(triple)]
+_MetalIndex = Annotated[float, Field(ge=0, le=MAX_INDEX, json_schema_extra={"unit": "1"})]
+MetalIndices = Annotated[tuple[_MetalIndex, _MetalIndex, _MetalIndex], BeforeValidator(triple)]
 Extinctions = Annotated[tuple[Extinction, Extinction, Extinction], BeforeValidator(triple)]
 Intensities = Annotated[tuple[_Intensity, _Intensity, _Intensity], BeforeValidator(triple)]
 Irradiances = Annotated[tuple[_Irradiance, _Irradiance, _Irradiance], BeforeValidator(triple)]
