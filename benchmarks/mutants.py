@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from symrender.images.image import Image
-from symrender.numeric.radiometric import hits, path, scatter, tile
+from symrender.numeric.radiometric import hits, path, tile
+from symrender.numeric.radiometric.bsdfs import conductor, diffuse, phong
 from symrender.numeric.radiometric.pipeline import rays
 from symrender.numeric.radiometric.world import make_world
 from symrender.numeric.rays import camera_frame, window_direction
@@ -26,7 +27,7 @@ from symrender.scene.arrays import Array
 from symrender.scene.load import AnyScene, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
-MODULES = (hits, scatter, path, tile)
+MODULES = (hits, diffuse, conductor, phong, path, tile)
 CAMERA = {"type": "look_at", "eye": [0.3, -5.6, 2.5], "target": [-0.15, 0, 0.55], "fov": 31}
 FLOOR = {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "tiles"}
 BALLS = [

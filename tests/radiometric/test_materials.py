@@ -10,7 +10,7 @@ import pytest
 
 from radiometric.lobes import UP, WHITE, Array, conductors, directions, made, materials
 from symrender.leaves import radiometric as leaves
-from symrender.numeric.radiometric import scatter
+from symrender.numeric.radiometric.bsdfs import dispatch
 from symrender.radiometric.reflection import reflected
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG
 from symrender.scene.radiometric.records import Material
@@ -83,7 +83,7 @@ def test_both_pipelines_equal_fifty_digits() -> None:
             compared += 1
             values = {
                 "formulas": reflected(material, WHITE, UP, tuple(wo), tuple(wi)),
-                "numeric": scatter.reflected(material, WHITE, tuple(wo), tuple(wi)),
+                "numeric": dispatch.scattered(material, False, WHITE, tuple(wo), tuple(wi)),
             }
             for name, value in values.items():
                 misses = [abs(float(v / t - 1)) for v, t in zip(value, true, strict=True)]
@@ -143,7 +143,7 @@ def albedo_by_facets(material: Material, wo: Vector, count: int) -> Array:
             wi = 2 * facing * h - np.array(wo)
             # dh = sin dtheta dphi, and dtheta = alpha (1 + tan^2 s)/(1 + t^2) ds
             measure = t * z * alpha * (1 + math.tan(s) ** 2) / (1 + t * t)
-            value = np.array(scatter.reflected(material, WHITE, wo, (wi[0], wi[1], max(wi[2], 1e-300))))
+            value = np.array(dispatch.scattered(material, False, WHITE, wo, (wi[0], wi[1], max(wi[2], 1e-300))))
             total += 2 * wp * ws * measure * 4 * facing * value
     return total
 

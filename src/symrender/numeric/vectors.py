@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from symrender.jit.marks import inlined
+from symrender.scene.arrays import Array
 
 Vector = tuple[float, float, float]
 
@@ -40,3 +41,9 @@ def unit(a: Vector) -> Vector:
     if length == 0.0:
         return (0.0, 0.0, 0.0)
     return (a[0] / length, a[1] / length, a[2] / length)
+
+
+@inlined
+def triple(a: Array) -> Vector:
+    """A vector of a record as a tuple."""
+    return (a[0], a[1], a[2])

@@ -10,10 +10,10 @@ import math
 
 from symrender.jit.marks import inlined, jitable
 from symrender.numeric.planes import carried
-from symrender.numeric.radiometric.flats import corner_normal, edges, triple
 from symrender.numeric.radiometric.hits import Hit
+from symrender.numeric.radiometric.shapes.corners import corner_normal, edges
 from symrender.numeric.radiometric.world import World
-from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
+from symrender.numeric.vectors import Vector, along, cross, dot, minus, triple, unit
 from symrender.scene.arrays import PLANE, Array
 from symrender.scene.radiometric.arrays import (
     ALONG_X,

@@ -8,31 +8,19 @@ from typing import NamedTuple
 import numpy as np
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.planes import carried, turned
-from symrender.numeric.radiometric.flats import (
-    box_distance,
-    box_normal,
-    box_place,
-    corner_distance,
-    corner_normal,
-    corner_place,
-    disk_distance,
-    edges_distance,
-    triple,
-)
 from symrender.numeric.radiometric.meshes import face_normal, face_place, passes_by, sides
+from symrender.numeric.radiometric.shapes.corners import edges_distance
+from symrender.numeric.radiometric.shapes.dispatch import distance_to, place_at, texture_place
 from symrender.numeric.radiometric.world import World
-from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
-from symrender.numeric.vectors import Vector, along, dot, minus
-from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID
-from symrender.scene.radiometric.arrays import BOX, DISK, MESH, RECTANGLE, SPHERE, TRIANGLE
-from symrender.scene.records import Frame
+from symrender.numeric.vectors import Vector, along, dot, minus, triple
+from symrender.scene.arrays import CHECKER, MARBLE, SOLID
+from symrender.scene.radiometric.arrays import MESH
 
 
 class Hit(NamedTuple):
     """A place of shape ``own`` (-1: none) at ``distance``; ``outward`` is the shape's normal there.
 
-    ``face`` is the face of a mesh, -1 of others. ``behind`` says that the ray came from the side the normal points away
+    ``face`` is the face of a mesh, of other shapes the part of them that was met, below 0. ``behind`` says that the ray came from the side the normal points away
     from.
     """
 
@@ -42,12 +30,6 @@ class Hit(NamedTuple):
     place: Vector
     outward: Vector
     behind: bool
-
-
-@inlined
-def level(frame: Frame, p: Vector, d: Vector) -> float:
-    """Distance along a unit ray to a plane, inf where it is not met."""
-    return floor_distance(carried(frame, p)[2], turned(frame, d)[2])
 
 
 @jitable
@@ -76,59 +58,23 @@ def first_hit(world: World, origin: Vector, d: Vector, left: int, face: int, ins
     best, part, distance = nearest_face(world, origin, d, face)
     far = False
     for j in range(world.shapes.shape[0]):
-        shape = world.shapes[j]
-        if shape.kind == SPHERE:
-            f = minus(origin, triple(shape.place))
-            reach, from_within = math.inf, False
-            if j == left:
-                if inside:
-                    # a chord from the sphere itself
-                    reach, from_within = -2.0 * dot(f, d), True
-            else:
-                power = dot(f, f) - shape.radius * shape.radius
-                near, other = sphere_roots(f, d, shape.radius, power)
-                from_within = power <= 0.0
-                reach = other if from_within else near
-            if 0.0 < reach < distance:
-                best, distance, far = j, reach, from_within
-        elif shape.kind == BOX:
-            if j != left or inside:
-                reach, from_within = box_distance(shape, origin, d, j == left)
-                if reach < distance:
-                    best, distance, far = j, reach, from_within
-        elif j != left and shape.kind != MESH:
-            if shape.kind == PLANE:
-                reach = level(world.frames[j], origin, d)
-            elif shape.kind == DISK:
-                reach = disk_distance(world.frames[j], shape.radius, origin, d)
-            else:
-                reach = corner_distance(shape, origin, d)
-            if reach < distance:
-                best, distance, far = j, reach, False
+        reach, met, within = distance_to(world.shapes[j], world.frames[j], origin, d, j == left, face, inside)
+        if reach < distance:
+            best, part, distance, far = j, met, reach, within
     if best < 0:
         return Hit(-1, -1, math.inf, origin, d, False)
-    shape, frame = world.shapes[best], world.frames[best]
+    shape = world.shapes[best]
     if shape.kind == MESH:
         n = face_normal(world.faces[part])
         return Hit(best, part, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
-    if shape.kind == BOX:
-        p = along(origin, distance, d)
-        n = box_normal(shape, p)
-        return Hit(best, -1, distance, p, n, far)
-    if shape.kind == RECTANGLE or shape.kind == TRIANGLE:
-        n = corner_normal(shape)
-        return Hit(best, -1, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
-    if shape.kind == SPHERE:
-        n = sphere_offset(minus(origin, triple(shape.place)), d, shape.radius, far)
-        return Hit(best, -1, distance, along(triple(shape.place), shape.radius, n), n, far)
-    n = triple(frame.up)
-    return Hit(best, -1, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
+    place, n, behind = place_at(shape, world.frames[best], origin, d, distance, part, far)
+    return Hit(best, part, distance, place, n, behind)
 
 
 @jitable
-def reaches(world: World, hit: Hit, toward: Vector, limit: float) -> bool:
-    """Whether nothing is met before ``limit`` along a unit direction on the side of a hit that the ray came from."""
-    return first_hit(world, hit.place, toward, hit.own, hit.face, hit.behind).distance >= limit
+def reaches(world: World, hit: Hit, toward: Vector, limit: float, inside: bool) -> bool:
+    """Whether nothing is met before ``limit`` along a unit direction from a hit, to the ``inside`` of its shape."""
+    return first_hit(world, hit.place, toward, hit.own, hit.face, inside).distance >= limit
 
 
 @inlined
@@ -138,17 +84,12 @@ def odd_field(x: float) -> bool:
 
 
 @jitable
-def flat_place(world: World, hit: Hit) -> tuple[float, float]:
-    """(x, y) of the texture of a flat shape at a hit."""
-    shape = world.shapes[hit.own]
-    if shape.kind == MESH:
-        return face_place(world.faces[hit.face], hit.place)
-    if shape.kind == BOX:
-        return box_place(shape, hit.place, hit.outward)
-    if shape.kind == RECTANGLE or shape.kind == TRIANGLE:
-        return corner_place(shape, hit.place)
-    p = carried(world.frames[hit.own], hit.place)
-    return p[0], p[1]
+def chart_place(world: World, hit: Hit, cell: float) -> tuple[float, float]:
+    """(x, y) of the texture at a hit, counted in cells."""
+    if world.shapes[hit.own].kind == MESH:
+        x, y = face_place(world.faces[hit.face], hit.place)
+        return x / cell, y / cell
+    return texture_place(world.shapes[hit.own], world.frames[hit.own], hit.place, hit.outward, hit.face, cell)
 
 
 @jitable
@@ -159,13 +100,7 @@ def albedo(world: World, hit: Hit) -> Vector:
     bright, dark = triple(material.bright), triple(material.dark)
     if material.texture == SOLID:
         return bright
-    if shape.kind == SPHERE:
-        n = hit.outward
-        x = (math.pi + math.atan2(n[1], n[0])) / (math.pi * material.cell)
-        y = math.atan2(math.sqrt(n[0] * n[0] + n[1] * n[1]), n[2]) / (math.pi * material.cell)
-    else:
-        x, y = flat_place(world, hit)
-        x, y = x / material.cell, y / material.cell
+    x, y = chart_place(world, hit, material.cell)
     if material.texture == MARBLE:
         wave = math.sin(3.0 * math.pi * y)
         m = 0.5 + 0.5 * math.sin(2.0 * math.pi * x + 0.7 * math.pi * wave)

@@ -6,15 +6,14 @@ import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
+from symrender.numeric.radiometric.bsdfs.dispatch import choose, density, scattered, widening
 from symrender.numeric.radiometric.bumps import raised_normal
 from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
-from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
-from symrender.numeric.radiometric.scatter import choose, density, reflected
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
-from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
+from symrender.numeric.vectors import Vector, along, cross, dot, minus, triple, unit
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, MESH, SKY, SPOT
 from symrender.scene.radiometric.records import Light, Material
 
@@ -88,17 +87,28 @@ def plus(a: Vector, b: Vector) -> Vector:
 
 @jitable
 def leaving(material: Material, at: Surface, w: Vector, wi: Vector) -> Vector:
-    """f cos_i of the direction w, which is wi in the frame of the surface.
+    """f cos_i of the direction w, which is wi in the frame of the surface."""
+    return from_above(material, at, w, wi, scattered(material, at.hit.behind, at.reflectance, at.wo, wi))
 
-    Under a bump nothing arrives from below the shape's own horizon, and the cosine may be that of its own normal.
+
+@jitable
+def from_above(material: Material, at: Surface, w: Vector, wi: Vector, share: Vector) -> Vector:
+    """A share of the direction w, which is wi in the frame of the surface, as a bump lets it arrive.
+
+    Nothing arrives from below the shape's own horizon, and the cosine may be that of its own normal.
     """
-    share = reflected(material, at.reflectance, at.wo, wi)
     if material.terms == 0.0:
         return share
     own = dot(at.facing, w)
     if own <= 0.0 or wi[2] <= 0.0:
         return (0.0, 0.0, 0.0)
     return scaled(share, (1.0, 1.0, 1.0), own / wi[2] if material.geometric != 0.0 else 1.0)
+
+
+@inlined
+def goes_inside(at: Surface, wi: Vector) -> bool:
+    """Whether a direction leads to the inside of the shape of a hit."""
+    return at.hit.behind != (wi[2] < 0.0)
 
 
 @jitable
@@ -137,8 +147,9 @@ def from_points(world: World, at: Surface) -> Vector:
             toward, strength = unit(way), 1.0 / (limit * limit)
             if light.kind == SPOT:
                 strength *= in_beam(light, toward)
-        share = leaving(material, at, toward, local(at, toward))
-        if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit):
+        wi = local(at, toward)
+        share = leaving(material, at, toward, wi)
+        if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit, goes_inside(at, wi)):
             total = plus(total, scaled(share, triple(light.emitted), strength))
     return total
 
@@ -150,10 +161,12 @@ def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
     r = math.sqrt(max(0.0, 1.0 - a * a))
     wi = (r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b), a)
     share = leaving(material, at, outside(at, wi), wi)
-    if max(share[0], share[1], share[2]) <= 0.0 or not reaches(world, at.hit, outside(at, wi), math.inf):
+    if max(share[0], share[1], share[2]) <= 0.0 or not reaches(world, at.hit, outside(at, wi), math.inf, at.hit.behind):
         return (0.0, 0.0, 0.0)
     # balance heuristic: 1/(own density + the other's)
-    return scaled(share, triple(world.lights[world.sky].emitted), 1.0 / (_UNIFORM + density(material, at.wo, wi)))
+    return scaled(
+        share, triple(world.lights[world.sky].emitted), 1.0 / (_UNIFORM + density(material, at.hit.behind, at.wo, wi))
+    )
 
 
 @jitable
@@ -174,10 +187,10 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
         share = leaving(material, at, d, wi)
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
-        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
+        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, goes_inside(at, wi))
         # a way to a face behind another one of a mesh is none: there are ways to the nearer one already
         if hit.own == emitter and not hit.behind and (face < 0 or hit.face == face):
-            chance = chance_of(world, hit, at.hit.place, d) + density(material, at.wo, wi)
+            chance = chance_of(world, hit, at.hit.place, d) + density(material, at.hit.behind, at.wo, wi)
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
     return total
 
@@ -197,7 +210,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
     """(direct light of extended lights, all later light, rays) of one path on from a first hit."""
     direct, indirect, at = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), start
     through, spent, depth = (1.0, 1.0, 1.0), 0, 0
-    both = sampler != IMPORTANCE
+    both, wide = sampler != IMPORTANCE, 1.0
     while depth < world.bounces or (world.extended and depth == world.bounces):
         material = world.materials[int(world.shapes[at.hit.own].material)]
         a, b = uniforms(key, index, 3 * depth + 1)
@@ -212,20 +225,25 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
             spent += 1
             direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         a, b = square_point(sampler, key, index, order) if depth == 0 else uniforms(key, index, 3 * depth)
-        wi = choose(material, at.wo, a, b)
-        d = unit(outside(at, wi))
-        share, chance = leaving(material, at, d, wi), density(material, at.wo, wi)
+        made = choose(material, at.hit.behind, at.reflectance, at.wo, a, b)
+        wi, d = made.wi, unit(outside(at, made.wi))
+        if made.sharp:
+            # no light chooses this direction
+            share, chance, shared = from_above(material, at, d, wi, made.weight), 1.0, False
+        else:
+            share, chance = leaving(material, at, d, wi), density(material, at.hit.behind, at.wo, wi)
+            shared = both
         if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
             break
-        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
+        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, goes_inside(at, wi))
         spent += 1
         if hit.own < 0:
             if world.sky >= 0:
-                weight = 1.0 / (chance + _UNIFORM) if both else 1.0 / chance
+                weight = 1.0 / (chance + _UNIFORM) if shared and wi[2] > 0.0 else 1.0 / chance
                 light = scaled(scaled(through, share, weight), triple(world.lights[world.sky].emitted), 1.0)
                 direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
             break
-        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, d, chance, both), 1.0)
+        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, d, chance, shared), 1.0)
         direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         depth += 1
         if depth > world.bounces or not shows(world, hit):
@@ -233,8 +251,9 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
         if world.first_gloss and world.materials[int(world.shapes[hit.own].material)].kind != DIFFUSE:
             break
         through = scaled(through, share, 1.0 / chance)
+        wide *= widening(material, at.hit.behind, wi)
         if depth > ROULETTE:
-            kept = min(_MOST_KEPT, max(through[0], through[1], through[2]))
+            kept = min(_MOST_KEPT, wide * max(through[0], through[1], through[2]))
             if uniforms(key, index, 3 * depth + 2)[0] >= kept:
                 break
             through = (through[0] / kept, through[1] / kept, through[2] / kept)

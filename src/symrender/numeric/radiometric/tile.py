@@ -7,7 +7,6 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.numeric.filters import CENTRE, tap
 from symrender.numeric.radiometric.emitters import shining
-from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import first_hit
 from symrender.numeric.radiometric.path import from_points, path, plus, scaled, shows, surface
 from symrender.numeric.radiometric.shot import Shot, lens_place, lens_ray, put_moved
@@ -15,7 +14,7 @@ from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import window_direction
 from symrender.numeric.samplers import INDEPENDENT
-from symrender.numeric.vectors import Vector, unit
+from symrender.numeric.vectors import Vector, triple, unit
 from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import FIRST_SHAPE
 
