@@ -20,8 +20,8 @@ from symrender.scene.radiometric.arrays import MESH
 class Hit(NamedTuple):
     """A place of shape ``own`` (-1: none) at ``distance``; ``outward`` is the shape's normal there.
 
-    ``face`` is the face of a mesh, of other shapes the part of them that was met, below 0. ``behind`` says that the ray came from the side the normal points away
-    from.
+    ``face`` is the face of a mesh, of other shapes the part of them that was met, below 0. ``behind`` says that the ray
+    came from the side the normal points away from.
     """
 
     own: int

@@ -88,7 +88,9 @@ ALL: Final = 1 << 30
 
 @dataclass(frozen=True)
 class RadiometricArrays:
-    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes, disks and cylinders lie.
+    """The numbers of a scene as records, in the order of its lists.
+
+    ``frames`` say where planes, disks and cylinders lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
     ``axis`` of the others is its unit vector. ``facets`` are those of all meshes, ``terms`` those of the heights of all

@@ -194,7 +194,7 @@ class Dielectric(Part):
 class Plastic(Part):
     """A diffuse base under a smooth or rough dielectric layer, with the light that is reflected between the two.
 
-    f = ``specular`` times the reflection of the layer, as of a ``dielectric``, + (1/pi) rho T(i) T(o)/(ior^2 (1 - rho R)),
+    f = ``specular`` times the reflection of the layer, as of a ``dielectric``, + rho T(i) T(o)/(pi ior^2 (1 - rho R)),
     rho = ``diffuse``, T the share of light from a direction that the layer lets through, R the share that it returns of
     diffuse light from within. Without ``nonlinear`` the denominator has R in place of rho R, so that colours keep their
     saturation. This is the `plastic` of Mitsuba 3 and, with ``alpha`` above 0, its `roughplastic`, with their R and T:

@@ -1,9 +1,9 @@
 """Indices of refraction of metals and a few other solids, as three channels.
 
-They are those that the rgb variants of Mitsuba 3.9.1 (https://github.com/mitsuba-renderer/mitsuba3) print for the
-`material` of a conductor: measured spectra (E. D. Palik, "Handbook of Optical Constants of Solids"; SOPRA; L. Rodenhiser)
-multiplied by the CIE 1931 colour matching functions and taken to linear sRGB. Channels of them stand for no wavelength;
-a renderer of spectra differs from them.
+They are those that the rgb variants of Mitsuba 3.9.1 (https://github.com/mitsuba-renderer/mitsuba3) have for the
+`material` of a conductor: spectra measured by others (E. D. Palik, "Handbook of Optical Constants of Solids", and the
+SOPRA tables), integrated with the CIE 1931 colour matching functions and taken to linear sRGB. A renderer of spectra
+differs from them.
 """
 
 from __future__ import annotations

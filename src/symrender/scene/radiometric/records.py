@@ -67,8 +67,8 @@ class Shape(Record):
     DISK all of these. A RECTANGLE is ``place`` (its corner) and the edges ``second`` and ``third``; a TRIANGLE the
     vertices ``place``, ``second`` and ``third``; a BOX ``place`` (its centre), its size ``second`` and ``rotation``
     in degrees. A CYLINDER is ``place`` (the centre of its base), ``normal`` (its axis, as long as it is), ``along``,
-    ``radius`` and 1 for ``caps``. A MESH stands at ``place``, its lengths times ``radius``, turned by ``rotation``; it has ``faces``
-    facets from ``start`` on.
+    ``radius`` and 1 for ``caps``. A MESH stands at ``place``, its lengths times ``radius``, turned by ``rotation``; it
+    has ``faces`` facets from ``start`` on.
     """
 
     kind: float

@@ -110,7 +110,8 @@ class RadiometricScene(Root):
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
             if isinstance(shape, Plane):
                 raise wrong(
-                    f"must name a sphere, rectangle, triangle, disk, cylinder, box or mesh, got the plane '{light.shape}'",
+                    "must name a sphere, rectangle, triangle, disk, cylinder, box or mesh, got the plane "
+                    f"'{light.shape}'",
                     *where,
                 )
             if light.shape in emitters:

@@ -1,4 +1,4 @@
-"""What a tracer asks of any material: one line a question and material. ``docs/adding-a-bsdf.md`` says how to add one."""
+"""What a tracer asks of any material, a line for each question and material (``docs/adding-a-bsdf.md``)."""
 
 from __future__ import annotations
 

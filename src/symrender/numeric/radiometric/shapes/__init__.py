@@ -1,1 +1,1 @@
-"""Shapes, a file each: where a ray meets them, their normals, the coordinates of their textures, places drawn on them."""
+"""Shapes, a file each: where rays meet them, normals, coordinates of textures, and places on them by chance."""

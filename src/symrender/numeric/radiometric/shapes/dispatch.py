@@ -1,4 +1,4 @@
-"""What a tracer asks of any shape but a mesh: one line a question and shape. ``docs/adding-a-shape.md`` says how to add one.
+"""What a tracer asks of any shape but a mesh, a line for each question and shape (``docs/adding-a-shape.md``).
 
 ``part`` is what of a shape was met, for shapes that need to know it where a ray leaves them; -1 of others.
 """
