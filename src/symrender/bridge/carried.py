@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, seen_out_to
+from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, seen_out_to, takes_checker
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
-from symrender.scene.mitsuba.flats import AGREE
 from symrender.scene.radiometric.exposure import exposure_of
 from symrender.scene.radiometric.materials import Checker, Diffuse
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Triangle
+from symrender.scene.radiometric.shapes import Plane
 from symrender.settings import image_size
 from symrender.version import VERSION
 
@@ -102,9 +100,10 @@ def prepare(
                 "bump the scene can be exported"
             )
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
-        if textured and (isinstance(shape, Disk | Box | Triangle | Mesh) or not _square(shape)):
+        if textured and not takes_checker(shape):
             raise Unsupported(
-                f"shapes.{shape.name}: {to}: a checker is exported on planes, spheres and rectangles with right angles"
+                f"shapes.{shape.name}: {to}: a checker is exported on planes, spheres, cylinders without caps and "
+                "rectangles with right angles"
             )
     reach = None if reach is None else float(reach)
     if reach is not None and not 2.0 <= reach <= 1e6:
@@ -117,14 +116,6 @@ def prepare(
     halves = {plane.name: half_side(there, plane, reach, out) for plane, out in zip(planes, outs, strict=True)}
     receipt = _receipt(to, checked, scene, there, scale, origin, halves, pixels, rays)
     return Prepared(there, halves, pixels, receipt)
-
-
-def _square(shape: Shape) -> bool:
-    """Whether the edges of a rectangle are at right angles; true of other shapes."""
-    if not isinstance(shape, Rectangle):
-        return True
-    along = sum(a * b for a, b in zip(shape.edge_u, shape.edge_v, strict=True))
-    return abs(along) <= AGREE * math.hypot(*shape.edge_u) * math.hypot(*shape.edge_v)
 
 
 def _of_renders(

@@ -13,14 +13,14 @@ from typing import Final, Literal, assert_never
 import numpy as np
 
 from symrender.bridge.carried import Carried, Rays, prepare
-from symrender.bridge.moved import Triple, ball_of, extent
+from symrender.bridge.moved import Triple, ball_of, caps_of, cylinder_axes, extent
 from symrender.errors import Unsupported
 from symrender.scene.mitsuba.flats import matrix_of, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 _FACET: Final = "Mitsuba's roughconductor has"
 _CLIP: Final = 0.01
@@ -62,12 +62,14 @@ def mitsuba(
     meshes: dict[str, str] = {}
     shining = {light.shape: light for light in there.lights if isinstance(light, lights.Area)}
     for shape in there.shapes:
-        lamp = _emitter(shining[shape.name]) if shape.name in shining else []
         if isinstance(shape, Triangle):
             meshes[f"{shape.name}.ply"] = _ply(shape.vertices, [(0, 1, 2)])
         if isinstance(shape, Mesh):
             meshes[f"{shape.name}.ply"] = _ply(mesh_places(shape), shape.faces)
-        body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
+        for part in (shape, *caps_of(shape)):
+            area = shining.get(shape.name)
+            lamp = [] if area is None else _emitter(area, area.name if part is shape else part.name)
+            body += _shape(part, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
     files = meshes | {
@@ -200,7 +202,7 @@ def _reflectance(name: str, material: Material, to_uv: tuple[float, float] | Non
 
 
 def _turns(checker: Checker) -> tuple[float, float]:
-    """Scale of (u, v) for a checker on a sphere turned by half a turn about z, where x = 2 u and y = v."""
+    """Scale of (u, v) for a checker on what is turned by half a turn about its axis, where x = 2 u and y = v."""
     return 1.0 / checker.cell, 0.5 / checker.cell
 
 
@@ -249,6 +251,13 @@ def _shape(shape: Shape, material: Material, half: float, lamp: list[str]) -> li
             *_nested('transform name="to_world"', [f'<matrix value="{matrix}"/>'], "transform"),
         ]
         kind = "rectangle"
+    elif isinstance(shape, Cylinder):
+        # half a turn, so that Mitsuba's azimuth begins where that of a scene does
+        east, north = (tuple(-shape.radius * x for x in axis) for axis in cylinder_axes(shape))
+        rows = zip(east, north, shape.axis, shape.base, strict=True)
+        matrix = " ".join(repr(float(x)) for row in (*rows, (0.0, 0.0, 0.0, 1.0)) for x in row)
+        inner = _nested('transform name="to_world"', [f'<matrix value="{matrix}"/>'], "transform")
+        scales, kind = None, "cylinder"
     elif not isinstance(shape, Sphere):
         kind, inner = _finite(shape)
         scales = None
@@ -284,7 +293,7 @@ def _spot(light: lights.Spot) -> list[str]:
     ]
 
 
-def _emitter(light: lights.Light) -> list[str]:
+def _emitter(light: lights.Light, name: str = "") -> list[str]:
     match light:
         case lights.Point():
             kind = "point"
@@ -303,4 +312,4 @@ def _emitter(light: lights.Light) -> list[str]:
             kind, inner = "area", [_rgb("radiance", light.radiance)]
         case _:
             assert_never(light)
-    return _nested(f'emitter type="{kind}" id="light-{light.name}"', inner, "emitter")
+    return _nested(f'emitter type="{kind}" id="light-{name or light.name}"', inner, "emitter")

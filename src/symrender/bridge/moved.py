@@ -10,11 +10,12 @@ import numpy as np
 from symrender.errors import OptionError, Unsupported
 from symrender.runtimes.glimpse import plane_apart
 from symrender.scene.load import load_any
+from symrender.scene.mitsuba.flats import AGREE
 from symrender.scene.mitsuba.plane import frame_of
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 Triple = tuple[float, float, float]
 
@@ -56,10 +57,13 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
     def way(v: Triple) -> list[float]:
         return [scale * x for x in v]
 
-    on_spheres = {shape.material for shape in scene.shapes if isinstance(shape, Sphere)}
+    on_spheres = {shape.material for shape in scene.shapes if isinstance(shape, Sphere | Cylinder)}
     for shape, row in zip(scene.shapes, data["shapes"], strict=True):
         if isinstance(shape, Sphere):
             row["center"], row["radius"] = place(shape.center), scale * shape.radius
+            continue
+        if isinstance(shape, Cylinder):
+            row["base"], row["axis"], row["radius"] = place(shape.base), way(shape.axis), scale * shape.radius
             continue
         match shape:
             case Plane():
@@ -111,6 +115,9 @@ def ball_of(shape: Shape) -> tuple[Triple, float] | None:
             return shape.center, shape.radius
         case Box():
             return shape.center, 0.5 * math.hypot(*shape.size)
+        case Cylinder():
+            x, y, z = (b + 0.5 * a for b, a in zip(shape.base, shape.axis, strict=True))
+            return (x, y, z), math.hypot(0.5 * math.hypot(*shape.axis), shape.radius)
         case Rectangle():
             u, v = shape.edge_u, shape.edge_v
             x, y, z = (p + 0.5 * (a + b) for p, a, b in zip(shape.corner, u, v, strict=True))
@@ -123,6 +130,39 @@ def ball_of(shape: Shape) -> tuple[Triple, float] | None:
             # a turn about z leaves distances from the position as they are
             far = max(math.hypot(*vertex) for vertex in shape.vertices)
             return shape.position, shape.scale * far
+
+
+def cylinder_axes(shape: Cylinder) -> tuple[Triple, Triple]:
+    """Unit vectors across the axis of a cylinder, the first towards ``along``, right-handed with the axis."""
+    axis = np.array(shape.axis) / math.hypot(*shape.axis)
+    east = np.array(shape.along) - (axis @ np.array(shape.along)) * axis
+    east /= np.linalg.norm(east)
+    first, second = east.tolist(), np.cross(axis, east).tolist()
+    return (first[0], first[1], first[2]), (second[0], second[1], second[2])
+
+
+def takes_checker(shape: Shape) -> bool:
+    """Whether other renderers have the coordinates of the shape's texture."""
+    match shape:
+        case Rectangle():
+            along = sum(a * b for a, b in zip(shape.edge_u, shape.edge_v, strict=True))
+            return abs(along) <= AGREE * math.hypot(*shape.edge_u) * math.hypot(*shape.edge_v)
+        case Cylinder():
+            return not shape.caps
+    return isinstance(shape, Plane | Sphere)
+
+
+def caps_of(shape: Shape) -> tuple[Disk, ...]:
+    """The disks that close a cylinder, as shapes of their own."""
+    if not isinstance(shape, Cylinder) or not shape.caps:
+        return ()
+    x, y, z = (b + a for b, a in zip(shape.base, shape.axis, strict=True))
+    back = (-shape.axis[0], -shape.axis[1], -shape.axis[2])
+    return tuple(
+        Disk(name=f"{shape.name}-{end}", center=center, normal=normal, radius=shape.radius, along=shape.along,
+             material=shape.material)
+        for end, center, normal in (("base", shape.base, back), ("top", (x, y, z), shape.axis))
+    )  # fmt: skip
 
 
 def extent(scene: RadiometricScene, about: Triple) -> float:

@@ -15,14 +15,14 @@ from typing import Final, Literal, assert_never
 import numpy as np
 
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
-from symrender.bridge.moved import Triple, ball_of
+from symrender.bridge.moved import Triple, ball_of, caps_of, cylinder_axes
 from symrender.errors import Unsupported
 from symrender.scene.mitsuba.flats import corners_of, disk_axes, matrix_of, mesh_indices, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 COLORS: Final = ("red", "green", "blue")
 SMOOTHEST: Final = 1e-3
@@ -100,7 +100,8 @@ def _refuse_backs(scene: RadiometricScene) -> None:
     for shape in scene.shapes:
         if scene.materials[shape.material].two_sided:
             continue
-        if isinstance(shape, Rectangle | Triangle | Disk | Mesh) and scene.bounces != 0:
+        opened = isinstance(shape, Cylinder) and not shape.caps
+        if (opened or isinstance(shape, Rectangle | Triangle | Disk | Mesh)) and scene.bounces != 0:
             raise Unsupported(
                 f"shapes.{shape.name}: pbrt: reflects on both sides, and bounced light may reach the back of a "
                 f"{shape.type}; give materials.{shape.material} two_sided: true"
@@ -116,8 +117,8 @@ def _refuse_backs(scene: RadiometricScene) -> None:
             )
 
 
-def _behind(shape: Plane | Rectangle | Triangle | Disk | Box | Mesh, eye: Triple) -> bool:
-    """Whether the eye is behind a flat shape, or in a box, or may see a mesh from behind: it is open or near."""
+def _behind(shape: Plane | Rectangle | Triangle | Disk | Cylinder | Box | Mesh, eye: Triple) -> bool:
+    """Whether the eye is behind a flat shape, in a box, or may see a cylinder or a mesh from behind: open or near."""
     place = np.array(eye)
     match shape:
         case Mesh():
@@ -131,6 +132,11 @@ def _behind(shape: Plane | Rectangle | Triangle | Disk | Box | Mesh, eye: Triple
         case Triangle():
             a, b, c = (np.array(vertex) for vertex in shape.vertices)
             return bool((place - a) @ np.cross(b - a, c - a) < 0.0)
+        case Cylinder():
+            axis, way = np.array(shape.axis), place - np.array(shape.base)
+            level = float(way @ axis / (axis @ axis))
+            within = bool(np.linalg.norm(way - level * axis) < shape.radius)
+            return not shape.caps or (within and 0.0 < level < 1.0)
         case Box():
             inside = np.linalg.solve(matrix_of(shape), [*eye, 1.0])[:3]
             return bool((np.abs(inside) < 1.0).all())
@@ -194,7 +200,9 @@ def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
         lines += [] if isinstance(light, lights.Area) else _light(light, channel)
     for shape in scene.shapes:
         lamp = _light(shining[shape.name], channel) if shape.name in shining else []
-        lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel, lamp)
+        for part in (shape, *caps_of(shape)):
+            half = prepared.halves.get(shape.name, 0.0)
+            lines += _shape(part, scene.materials[shape.material], half, channel, lamp)
     return lines
 
 
@@ -237,6 +245,19 @@ def _shape(shape: Shape, material: Material, half: float, channel: Channel, lamp
             # so that pbrt's azimuth begins where that of a scene does
             inner += ["Rotate 180 0 0 1"]
         inner += [name, f'Shape "sphere" "float radius" [ {shape.radius!r} ]']
+    elif isinstance(shape, Cylinder):
+        east, north = cylinder_axes(shape)
+        if isinstance(material.reflectance, Checker):
+            # half a turn, so that pbrt's azimuth begins where that of a scene does
+            east, north = (-east[0], -east[1], -east[2]), (-north[0], -north[1], -north[2])
+        up, height = tuple(x / math.hypot(*shape.axis) for x in shape.axis), math.hypot(*shape.axis)
+        columns = " ".join(
+            repr(x) for axis in ((*east, 0.0), (*north, 0.0), (*up, 0.0), (*shape.base, 1.0)) for x in axis
+        )
+        inner += [f"ConcatTransform [ {columns} ]", name]
+        inner += [
+            f'Shape "cylinder" "float radius" [ {shape.radius!r} ] "float zmin" [ 0 ] "float zmax" [ {height!r} ]'
+        ]
     elif not isinstance(shape, Plane):
         inner += _finite(shape, material)
     else:
@@ -272,6 +293,10 @@ def _material(shape: Shape, material: Material, channel: Channel) -> list[str]:
         return [called, f'Material "diffuse" {_grey("rgb", "reflectance", channel(reflectance.color))}']
     name = f"cells of {shape.name}"
     turns = ""
+    if isinstance(shape, Cylinder):
+        # x = 2 u, y = v
+        inverse = 1.0 / reflectance.cell
+        turns = f'"float uscale" [ {2.0 * inverse!r} ] "float vscale" [ {inverse!r} ]'
     if isinstance(shape, Sphere):
         # x = 2 u, y = 1 - v
         inverse = 1.0 / reflectance.cell

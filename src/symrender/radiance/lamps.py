@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import copied
 from symrender.radiometric.pieces import POLYGON, laid_pieces, owners
 from symrender.radiometric.world import camera_window
-from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, CYLINDER, SKY, SPHERE, RadiometricArrays
 from symrender.settings import Settings
 
 Array = npt.NDArray[np.float64]
@@ -28,7 +29,7 @@ class Balls:
 
 def lamps_of(arrays: RadiometricArrays) -> Balls:
     """Bounding spheres of what emits."""
-    pieces = laid_pieces(arrays)
+    pieces = laid_pieces(_bounded(arrays))
     owner = owners(pieces)
     rows: list[tuple[Array, float, float]] = []
     for light in arrays.lights:
@@ -42,6 +43,17 @@ def lamps_of(arrays: RadiometricArrays) -> Balls:
                 radius = float(np.linalg.norm(corners - center, axis=1).max())
             rows.append((center, radius, float(light.emitted.max())))
     return Balls(np.array([r[0] for r in rows]).reshape(-1, 3), *np.array([r[1:] for r in rows]).reshape(-1, 2).T)
+
+
+def _bounded(arrays: RadiometricArrays) -> RadiometricArrays:
+    """The scene with the bounding sphere of every shape that has no pieces in its place."""
+    shapes = copied(arrays.shapes)
+    for shape in shapes:
+        if shape.kind == CYLINDER:
+            half = 0.5 * np.array(shape.normal)
+            shape.kind, shape.radius = SPHERE, float(np.hypot(np.linalg.norm(half), shape.radius))
+            shape.place[:] += half
+    return replace(arrays, shapes=shapes)
 
 
 def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, rows: Ints) -> Array:

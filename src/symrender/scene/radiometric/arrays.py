@@ -40,6 +40,8 @@ CONDUCTOR: Final = 1
 PHONG: Final = 2
 DIELECTRIC: Final = 3
 PLASTIC: Final = 4
+SAMPLED_MATERIALS: Final = {CONDUCTOR: "a smooth conductor", DIELECTRIC: "a dielectric", PLASTIC: "plastic"}
+"""Kinds of materials that quadrature does not know, in words."""
 
 # densities of facet normals
 GGX: Final = 0
@@ -53,6 +55,8 @@ DISK: Final = 5
 BOX: Final = 6
 MESH: Final = 7
 CYLINDER: Final = 8
+SAMPLED_SHAPES: Final = {CYLINDER: "a cylinder"}
+"""Kinds of shapes that quadrature does not know, in words."""
 
 # kinds of a light; a point is POINT
 POINT: Final = 0

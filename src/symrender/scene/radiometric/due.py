@@ -9,14 +9,13 @@ from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import (
     BOX,
     CONDUCTOR,
-    CYLINDER,
-    DIELECTRIC,
     DIFFUSE,
     DISK,
     MESH,
     PHONG,
-    PLASTIC,
     RECTANGLE,
+    SAMPLED_MATERIALS,
+    SAMPLED_SHAPES,
     SPHERE,
     TRIANGLE,
     RadiometricArrays,
@@ -26,8 +25,6 @@ from symrender.scene.radiometric.records import Material
 _SHAPES: Final = frozenset({PLANE, SPHERE, RECTANGLE, TRIANGLE, DISK, BOX, MESH})
 _MATERIALS: Final = frozenset({DIFFUSE, CONDUCTOR, PHONG})
 """What quadrature integrates; everything else is sampled."""
-_NAMES: Final = {CYLINDER: "a cylinder"}
-_MATERIAL_NAMES: Final = {CONDUCTOR: "a smooth conductor", DIELECTRIC: "a dielectric", PLASTIC: "plastic"}
 
 
 def refuse_sampled(arrays: RadiometricArrays) -> None:
@@ -35,11 +32,10 @@ def refuse_sampled(arrays: RadiometricArrays) -> None:
     for j, shape in enumerate(arrays.shapes):
         kind, material = int(shape.kind), arrays.materials[int(shape.material)]
         if kind not in _SHAPES:
-            raise Unsupported(
-                f"shapes[{j}]: {_NAMES.get(kind, 'its type')} is not integrated by quadrature; method: sampled takes it"
-            )
+            name = SAMPLED_SHAPES.get(kind, "its type")
+            raise Unsupported(f"shapes[{j}]: {name} is not integrated by quadrature; method: sampled takes it")
         if not _is_integrated(material):
-            name = _MATERIAL_NAMES.get(int(material.kind), "its type")
+            name = SAMPLED_MATERIALS.get(int(material.kind), "its type")
             raise Unsupported(
                 f"the material of shapes[{j}]: {name} is not integrated by quadrature; method: sampled takes it"
             )

@@ -86,7 +86,7 @@ class Area(Part):
     name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
     shape: Annotated[
         PartName,
-        Field(description="name of the shape that emits, a sphere, rectangle, triangle, disk, cylinder, box or mesh"),
+        Field(description="name of the shape that emits, any but a plane"),
     ]
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 

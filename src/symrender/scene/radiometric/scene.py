@@ -14,7 +14,7 @@ from symrender.scene.printable import shown
 from symrender.scene.radiometric.camera import LensCamera
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Box, Cylinder, Mesh, Plane, Shape
+from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
 from symrender.scene.radiometric.values import Times
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
@@ -82,7 +82,7 @@ class RadiometricScene(Root):
                 raise wrong(_unknown("material", shape.material, self.materials), "shapes", index, "material")
         for index, shape in enumerate(self.shapes):
             bump = self.materials[shape.material].bump
-            if bump is not None and bump.coordinates == "own" and isinstance(shape, Box | Cylinder | Mesh):
+            if bump is not None and bump.coordinates == "own" and not shape.has_own_coordinates:
                 raise wrong(
                     f"'{shape.material}' has a bump in coordinates: own, and a {shape.type} has others at every place; "
                     "coordinates: world are known",
@@ -110,8 +110,7 @@ class RadiometricScene(Root):
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
             if isinstance(shape, Plane):
                 raise wrong(
-                    "must name a sphere, rectangle, triangle, disk, cylinder, box or mesh, got the plane "
-                    f"'{light.shape}'",
+                    f"must name a shape that ends, got the plane '{light.shape}'",
                     *where,
                 )
             if light.shape in emitters:

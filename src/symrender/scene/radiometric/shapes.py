@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, ClassVar, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,11 +14,13 @@ from symrender.scene.root import wrong
 from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
 
 _AXES: Final = 3
+# ``has_own_coordinates`` says whether a bump may have its heights in those of the shape's texture
 
 
 class Plane(Part):
     """An endless plane; opaque from both sides."""
 
+    has_own_coordinates: ClassVar[bool] = True
     type: Literal["plane"] = "plane"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     point: Annotated[Point3, Field(description="a point of the plane, origin of its texture")]
@@ -40,6 +42,7 @@ class Plane(Part):
 class Sphere(Part):
     """A sphere; its normal points outward."""
 
+    has_own_coordinates: ClassVar[bool] = True
     type: Literal["sphere"] = "sphere"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     center: Annotated[Point3, Field(description="centre")]
@@ -54,6 +57,7 @@ class Rectangle(Part):
     The edges need not be at right angles. The texture's x runs along ``edge_u`` from the corner, y across it.
     """
 
+    has_own_coordinates: ClassVar[bool] = True
     type: Literal["rectangle"] = "rectangle"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     corner: Annotated[Point3, Field(description="a corner, origin of its texture")]
@@ -71,6 +75,7 @@ class Rectangle(Part):
 class Triangle(Part):
     """Three vertices, counter-clockwise about the normal; the texture's x runs from the first to the second."""
 
+    has_own_coordinates: ClassVar[bool] = True
     type: Literal["triangle"] = "triangle"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     vertices: Annotated[
@@ -93,6 +98,7 @@ class Triangle(Part):
 class Disk(Part):
     """A flat disk."""
 
+    has_own_coordinates: ClassVar[bool] = True
     type: Literal["disk"] = "disk"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     center: Annotated[Point3, Field(description="centre, origin of its texture")]
@@ -125,6 +131,7 @@ class Cylinder(Part):
     to 2; y runs from 0 at the base to 1 at the top, on the disks from 0 on the axis to 1 at the rim.
     """
 
+    has_own_coordinates: ClassVar[bool] = False
     type: Literal["cylinder"] = "cylinder"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     base: Annotated[Point3, Field(description="centre of its base")]
@@ -157,6 +164,7 @@ class Box(Part):
     Each face has a texture of its own: x and y run along its edges from one of its corners.
     """
 
+    has_own_coordinates: ClassVar[bool] = False
     type: Literal["box"] = "box"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     center: Annotated[Point3, Field(description="centre")]
@@ -174,6 +182,7 @@ class Mesh(Part):
     own, from its first vertex along its first edge.
     """
 
+    has_own_coordinates: ClassVar[bool] = False
     type: Literal["mesh"] = "mesh"
     name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
     file: Annotated[

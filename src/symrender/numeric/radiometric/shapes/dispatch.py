@@ -17,12 +17,19 @@ from symrender.numeric.radiometric.shapes.corners import (
     corner_place,
     corner_point,
 )
+from symrender.numeric.radiometric.shapes.cylinder import (
+    cylinder_area,
+    cylinder_chart,
+    cylinder_distance,
+    cylinder_hit,
+    cylinder_point,
+)
 from symrender.numeric.radiometric.shapes.disk import disk_distance, disk_point, level
 from symrender.numeric.radiometric.shapes.sphere import sphere_distance
 from symrender.numeric.rays import sphere_offset
 from symrender.numeric.vectors import Vector, along, dot, minus, triple
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import BOX, DISK, MESH, RECTANGLE, SPHERE, TRIANGLE
+from symrender.scene.radiometric.arrays import BOX, CYLINDER, DISK, MESH, RECTANGLE, SPHERE, TRIANGLE
 from symrender.scene.radiometric.records import Shape
 from symrender.scene.records import Frame
 
@@ -44,6 +51,8 @@ def distance_to(
             return math.inf, -1, False
         reach, far = box_distance(shape, origin, d, leaves)
         return reach, -1, far
+    if shape.kind == CYLINDER:
+        return cylinder_distance(shape, frame, origin, d, leaves, part, inside)
     if leaves or shape.kind == MESH:
         return math.inf, -1, False
     if shape.kind == PLANE:
@@ -61,6 +70,8 @@ def place_at(
     if shape.kind == SPHERE:
         n = sphere_offset(minus(origin, triple(shape.place)), d, shape.radius, far)
         return along(triple(shape.place), shape.radius, n), n, far
+    if shape.kind == CYLINDER:
+        return *cylinder_hit(shape, frame, origin, d, distance, part, far), far
     p = along(origin, distance, d)
     if shape.kind == BOX:
         return p, box_normal(shape, p), far
@@ -82,6 +93,8 @@ def texture_place(
         return x, y
     if shape.kind == BOX:
         x, y = box_place(shape, place, normal)
+    elif shape.kind == CYLINDER:
+        x, y = cylinder_chart(shape, frame, place, part)
     elif shape.kind == RECTANGLE or shape.kind == TRIANGLE:
         x, y = corner_place(shape, place)
     else:
@@ -97,6 +110,8 @@ def area_of(shape: Shape) -> float:
         return math.pi * shape.radius * shape.radius
     if shape.kind == BOX:
         return box_area(shape)
+    if shape.kind == CYLINDER:
+        return cylinder_area(shape)
     return corner_area(shape)
 
 
@@ -106,6 +121,8 @@ def point_on(shape: Shape, frame: Frame, a: float, b: float) -> tuple[Vector, Ve
     if shape.kind == BOX:
         at = box_point(shape, a, b)
         return at, box_normal(shape, at)
+    if shape.kind == CYLINDER:
+        return cylinder_point(shape, frame, a, b)
     if shape.kind == DISK:
         return disk_point(frame, shape.radius, a, b), triple(frame.up)
     return corner_point(shape, a, b), corner_normal(shape)
