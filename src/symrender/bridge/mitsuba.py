@@ -90,7 +90,7 @@ def _refuse(name: str, material: Material) -> None:
         raise Unsupported(f"{where}: mitsuba: has no phong lobe whose normalisation is this one")
     if isinstance(material.reflectance, Stripes | Marble):
         raise Unsupported(f"{where}.reflectance: mitsuba: has no {material.reflectance.type}; checker and solid are")
-    if isinstance(material, Diffuse):
+    if isinstance(material, Diffuse) or not material.alpha:
         return
     if material.masking != "separable":
         raise Unsupported(f"{where}.masking: mitsuba: {_FACET} masking: separable, got {material.masking}")
@@ -171,19 +171,23 @@ def _material(material: Material, identity: str, to_uv: tuple[float, float] | No
         case Diffuse():
             inner = _nested(f'bsdf type="diffuse"{outer}', reflectance, "bsdf")
         case Conductor():
-            lines = [
-                f'<string name="distribution" value="{material.distribution}"/>',
-                f'<float name="alpha" value="{material.alpha!r}"/>',
-                _rgb("eta", material.eta),
-                _rgb("k", material.k),
-                *reflectance,
-            ]
-            inner = _nested(f'bsdf type="roughconductor"{outer}', lines, "bsdf")
+            lines = [*_facets(material), _rgb("eta", material.eta), _rgb("k", material.k), *reflectance]
+            inner = _nested(f'bsdf type="{"rough" if material.alpha else ""}conductor"{outer}', lines, "bsdf")
         case Phong():
             raise AssertionError("refused before")
         case _:
             assert_never(material)
     return _nested(f'bsdf type="twosided"{identity}', inner, "bsdf") if material.two_sided else inner
+
+
+def _facets(material: Conductor) -> list[str]:
+    """The roughness of a material, nothing of a smooth one."""
+    if not material.alpha:
+        return []
+    return [
+        f'<string name="distribution" value="{material.distribution}"/>',
+        f'<float name="alpha" value="{material.alpha!r}"/>',
+    ]
 
 
 def _reflectance(name: str, material: Material, to_uv: tuple[float, float] | None) -> list[str]:

@@ -81,11 +81,11 @@ def _refuse(name: str, material: Material) -> None:
         raise Unsupported(f"{where}.reflectance: pbrt: has no {reflectance.type}; checker and solid are")
     if not isinstance(material, Conductor):
         return
-    if material.distribution != "ggx":
+    if material.alpha and material.distribution != "ggx":
         raise Unsupported(f"{where}.distribution: pbrt: conductors have ggx, got {material.distribution}")
-    if material.masking != "correlated":
+    if material.alpha and material.masking != "correlated":
         raise Unsupported(f"{where}.masking: pbrt: conductors have masking: correlated, got {material.masking}")
-    if material.alpha < SMOOTHEST:
+    if 0.0 < material.alpha < SMOOTHEST:
         raise Unsupported(f"{where}.alpha: pbrt: is a mirror below {SMOOTHEST:g}, got {material.alpha:g}")
     if isinstance(reflectance, Checker) or set(reflectance.color) != {1.0}:
         raise Unsupported(f"{where}.reflectance: pbrt: a conductor with eta and k has no factor; 1 is what it can be")

@@ -11,7 +11,17 @@ import numpy.typing as npt
 from symrender.jit.records import copied
 from symrender.radiometric.pieces import POLYGON, laid_pieces, owners
 from symrender.radiometric.world import camera_window
-from symrender.scene.radiometric.arrays import AREA, CYLINDER, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import (
+    AREA,
+    CONDUCTOR,
+    CYLINDER,
+    DIELECTRIC,
+    EXTENDED,
+    PLASTIC,
+    SKY,
+    SPHERE,
+    RadiometricArrays,
+)
 from symrender.settings import Settings
 
 Array = npt.NDArray[np.float64]
@@ -43,6 +53,19 @@ def lamps_of(arrays: RadiometricArrays) -> Balls:
                 radius = float(np.linalg.norm(corners - center, axis=1).max())
             rows.append((center, radius, float(light.emitted.max())))
     return Balls(np.array([r[0] for r in rows]).reshape(-1, 3), *np.array([r[1:] for r in rows]).reshape(-1, 2).T)
+
+
+def focused_radiance(arrays: RadiometricArrays) -> float:
+    """Largest radiance that a path may carry from a light over what mirrors or bends it; 0 in a scene without such.
+
+    Of light that is chosen by itself as well as by materials few paths carry more than most do. Lights choose no way
+    over smooth surfaces and through glass, so there one path in many may bring all that a light sends.
+    """
+    used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+    if not any(each.kind == DIELECTRIC or (each.kind in (CONDUCTOR, PLASTIC) and each.alpha == 0.0) for each in used):
+        return 0.0
+    sent = [float(light.emitted.max()) for light in arrays.lights if light.kind in EXTENDED]
+    return max(sent, default=0.0)
 
 
 def _bounded(arrays: RadiometricArrays) -> RadiometricArrays:

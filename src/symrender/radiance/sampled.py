@@ -18,7 +18,7 @@ from symrender.numeric.radiometric.pipeline import Sampler, sampler_of
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiance.choice import plan_of
 from symrender.radiance.interval import HEAVY, REPLICATES, UNSEEN, half_width
-from symrender.radiance.lamps import seen_radiance
+from symrender.radiance.lamps import focused_radiance, seen_radiance
 from symrender.runtimes import radiometric
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE
 from symrender.runtimes.exposed import is_exposed
@@ -160,6 +160,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         share = replace(settings, tol=DIRECT_SHARE * settings.tol, method="quadrature")
         closed = radiometric.prepare(replace(arrays, bounces=0), share)
     pilot = pilot_of(settings, sampler_of(arrays, settings))
+    focused = focused_radiance(arrays)
     # along one ray a pixel emission is no matter of chance
     spread = settings.filter != "centre" or is_exposed(arrays)
     own = threading.local()
@@ -169,7 +170,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
         if not hasattr(own, "pixels"):
             own.pixels = Pixels(sampler_of(arrays, settings), settings)
-        bright = np.tile(pilot.bright[:, None], (1, shape[0] * shape[1]))
+        bright = np.tile(np.maximum(pilot.bright, focused)[:, None], (1, shape[0] * shape[1]))
         if spread:
             bright[1] += seen_radiance(arrays, settings, *places(place))
         tol = settings.tol * (1.0 if closed is None else 1.0 - DIRECT_SHARE)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symrender.scene.radiometric.lights import Point, Sky
+from symrender.scene.radiometric.lights import Directional, Point, Sky, Spot
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape, Sphere
 from symrender.scene.values import Part
@@ -56,7 +56,14 @@ def _camera(scene: RadiometricScene) -> Iterator[str]:
 def _lights(scene: RadiometricScene) -> Iterator[str]:
     if not scene.lights:
         yield "there are no lights: the image is black"
+    used = {shape.material for shape in scene.shapes}
+    smooth = [name for name in scene.materials if name in used and getattr(scene.materials[name], "alpha", 1.0) == 0.0]
     for light in scene.lights:
+        if smooth and isinstance(light, Point | Spot | Directional):
+            yield (
+                f"lights.{light.name}: no path finds its light in what materials.{smooth[0]} mirrors or bends, for "
+                "that is smooth and the light is a point or a direction: the image is without it"
+            )
         if isinstance(light, Sky):
             continue
         for shape in scene.shapes:

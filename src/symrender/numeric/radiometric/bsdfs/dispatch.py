@@ -40,7 +40,7 @@ def choose(material: Material, inside: bool, reflectance: Vector, wo: Vector, a:
     if material.kind == DIFFUSE:
         return diffuse.choose(a, b)
     if material.kind == CONDUCTOR:
-        return conductor.choose(material, wo, a, b)
+        return conductor.choose(material, reflectance, wo, a, b)
     return phong.choose(material, wo, a, b)
 
 
