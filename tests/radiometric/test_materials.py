@@ -221,9 +221,9 @@ def test_what_is_chosen_has_the_density_that_is_said() -> None:
     for material in wide:
         wo, values = (0.3, -0.2, math.sqrt(1 - 0.13)), []
         for a, b in random.random((20000, 2)):
-            wi = dispatch.choose(material, False, WHITE, wo, a, b).wi
+            wi = dispatch.choose(material, False, WHITE, wo, a, b, 0.0).wi
             g = max(0.0, -wi[0] * wo[0] - wi[1] * wo[1] + wi[2] * wo[2]) ** 4
-            values.append(g / dispatch.density(material, False, wo, wi) if wi[2] > 0 else 0.0)
+            values.append(g / dispatch.density(material, False, WHITE, wo, wi) if wi[2] > 0 else 0.0)
         x, w = np.polynomial.legendre.leggauss(100)
         phi = np.pi * (1 + x)
         wanted = 0.0

@@ -18,11 +18,21 @@ from symrender.errors import Unsupported
 from symrender.scene.mitsuba.flats import matrix_of, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
 from symrender.scene.radiometric import lights
-from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
+from symrender.scene.radiometric.materials import (
+    Checker,
+    Conductor,
+    Dielectric,
+    Diffuse,
+    Marble,
+    Material,
+    Phong,
+    Plastic,
+    Stripes,
+)
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
-_FACET: Final = "Mitsuba's roughconductor has"
+_FACET: Final = "Mitsuba's rough materials have"
 _CLIP: Final = 0.01
 """Near clipping distance over the distance from the eye to the nearest surface."""
 
@@ -163,24 +173,38 @@ def _sensor(scene: RadiometricScene, width: int, height: int, samples: int, halv
 
 
 def _material(material: Material, identity: str, to_uv: tuple[float, float] | None) -> list[str]:
-    outer = identity if not material.two_sided else ""
-    reflectance = _reflectance(
-        "reflectance" if isinstance(material, Diffuse) else "specular_reflectance", material, to_uv
-    )
+    wrapped = material.two_sided and not isinstance(material, Dielectric)
+    outer = identity if not wrapped else ""
+    names: dict[type, str] = {Diffuse: "reflectance", Plastic: "diffuse_reflectance"}
+    reflectance = _reflectance(names.get(type(material), "specular_reflectance"), material, to_uv)
     match material:
         case Diffuse():
-            inner = _nested(f'bsdf type="diffuse"{outer}', reflectance, "bsdf")
+            kind, lines = "diffuse", reflectance
         case Conductor():
             lines = [*_facets(material), _rgb("eta", material.eta), _rgb("k", material.k), *reflectance]
-            inner = _nested(f'bsdf type="{"rough" if material.alpha else ""}conductor"{outer}', lines, "bsdf")
+            kind = "roughconductor" if material.alpha else "conductor"
+        case Dielectric():
+            lines = [*_facets(material), *_indices(material.ior), *reflectance]
+            lines += [_rgb("specular_transmittance", material.transmittance)]
+            kind = "thindielectric" if material.thin else "roughdielectric" if material.alpha else "dielectric"
+        case Plastic():
+            lines = [*_facets(material), *_indices(material.ior), *reflectance]
+            lines += [_rgb("specular_reflectance", material.specular)]
+            lines += [f'<boolean name="nonlinear" value="{str(material.nonlinear).lower()}"/>']
+            kind = "roughplastic" if material.alpha else "plastic"
         case Phong():
             raise AssertionError("refused before")
         case _:
             assert_never(material)
-    return _nested(f'bsdf type="twosided"{identity}', inner, "bsdf") if material.two_sided else inner
+    inner = _nested(f'bsdf type="{kind}"{outer}', lines, "bsdf")
+    return _nested(f'bsdf type="twosided"{identity}', inner, "bsdf") if wrapped else inner
 
 
-def _facets(material: Conductor) -> list[str]:
+def _indices(ior: float) -> list[str]:
+    return [f'<float name="int_ior" value="{ior!r}"/>', '<float name="ext_ior" value="1.0"/>']
+
+
+def _facets(material: Conductor | Dielectric | Plastic) -> list[str]:
     """The roughness of a material, nothing of a smooth one."""
     if not material.alpha:
         return []

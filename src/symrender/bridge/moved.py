@@ -78,7 +78,8 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
                 row["center"], row["size"] = place(shape.center), way(shape.size)
             case Mesh():
                 row["position"], row["scale"] = place(shape.position), scale * shape.scale
-        reflectance = data["materials"][shape.material]["reflectance"]
+        reflectance = data["materials"][shape.material]
+        reflectance = reflectance["diffuse" if "diffuse" in reflectance else "reflectance"]
         if "cell" in reflectance and scale != 1.0:
             if shape.material in on_spheres:
                 raise Unsupported(

@@ -20,7 +20,17 @@ from symrender.errors import Unsupported
 from symrender.scene.mitsuba.flats import corners_of, disk_axes, matrix_of, mesh_indices, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
-from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
+from symrender.scene.radiometric.materials import (
+    Checker,
+    Conductor,
+    Dielectric,
+    Diffuse,
+    Marble,
+    Material,
+    Phong,
+    Plastic,
+    Stripes,
+)
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
@@ -79,16 +89,20 @@ def _refuse(name: str, material: Material) -> None:
         raise Unsupported(f"{where}: pbrt: has no phong lobe")
     if isinstance(reflectance, Stripes | Marble):
         raise Unsupported(f"{where}.reflectance: pbrt: has no {reflectance.type}; checker and solid are")
-    if not isinstance(material, Conductor):
+    if isinstance(material, Plastic):
+        raise Unsupported(f"{where}: pbrt: has a layer over a diffuse base by random walks, and no plastic as this one")
+    if isinstance(material, Diffuse):
         return
     if material.alpha and material.distribution != "ggx":
-        raise Unsupported(f"{where}.distribution: pbrt: conductors have ggx, got {material.distribution}")
+        raise Unsupported(f"{where}.distribution: pbrt: rough materials have ggx, got {material.distribution}")
     if material.alpha and material.masking != "correlated":
-        raise Unsupported(f"{where}.masking: pbrt: conductors have masking: correlated, got {material.masking}")
+        raise Unsupported(f"{where}.masking: pbrt: rough materials have masking: correlated, got {material.masking}")
     if 0.0 < material.alpha < SMOOTHEST:
-        raise Unsupported(f"{where}.alpha: pbrt: is a mirror below {SMOOTHEST:g}, got {material.alpha:g}")
+        raise Unsupported(f"{where}.alpha: pbrt: is smooth below {SMOOTHEST:g}, got {material.alpha:g}")
     if isinstance(reflectance, Checker) or set(reflectance.color) != {1.0}:
-        raise Unsupported(f"{where}.reflectance: pbrt: a conductor with eta and k has no factor; 1 is what it can be")
+        raise Unsupported(f"{where}.reflectance: pbrt: metal and glass have no factor there; 1 is what it can be")
+    if isinstance(material, Dielectric) and set(material.transmittance) != {1.0}:
+        raise Unsupported(f"{where}.transmittance: pbrt: glass has no factor there; 1 is what it can be")
 
 
 def _refuse_backs(scene: RadiometricScene) -> None:
@@ -287,6 +301,10 @@ def _material(shape: Shape, material: Material, channel: Channel) -> list[str]:
             f'Material "conductor" "spectrum eta" [ 300 {eta} 900 {eta} ] "spectrum k" [ 300 {k} 900 {k} ]',
             f'  "float roughness" [ {material.alpha!r} ] "bool remaproughness" false',
         ]
+    if isinstance(material, Dielectric):
+        kind = "thindielectric" if material.thin else "dielectric"
+        rough = f' "float roughness" [ {material.alpha!r} ] "bool remaproughness" false' if not material.thin else ""
+        return [called, f'Material "{kind}" "float eta" [ {material.ior!r} ]{rough}']
     reflectance = material.reflectance
     if not isinstance(reflectance, Checker):
         assert not isinstance(reflectance, Stripes | Marble)

@@ -6,7 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.radiometric.bsdfs.dispatch import choose, density, scattered, widening
+from symrender.numeric.radiometric.bsdfs.dispatch import asks_for_three, choose, density, scattered, widening
 from symrender.numeric.radiometric.bumps import raised_normal
 from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
 from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
@@ -165,7 +165,9 @@ def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
         return (0.0, 0.0, 0.0)
     # balance heuristic: 1/(own density + the other's)
     return scaled(
-        share, triple(world.lights[world.sky].emitted), 1.0 / (_UNIFORM + density(material, at.hit.behind, at.wo, wi))
+        share,
+        triple(world.lights[world.sky].emitted),
+        1.0 / (_UNIFORM + density(material, at.hit.behind, at.reflectance, at.wo, wi)),
     )
 
 
@@ -190,7 +192,9 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, goes_inside(at, wi))
         # a way to a face behind another one of a mesh is none: there are ways to the nearer one already
         if hit.own == emitter and not hit.behind and (face < 0 or hit.face == face):
-            chance = chance_of(world, hit, at.hit.place, d) + density(material, at.hit.behind, at.wo, wi)
+            chance = chance_of(world, hit, at.hit.place, d) + density(
+                material, at.hit.behind, at.reflectance, at.wo, wi
+            )
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
     return total
 
@@ -225,13 +229,14 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
             spent += 1
             direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         a, b = square_point(sampler, key, index, order) if depth == 0 else uniforms(key, index, 3 * depth)
-        made = choose(material, at.hit.behind, at.reflectance, at.wo, a, b)
+        third = uniforms(key, index, 3 * depth + 2)[1] if asks_for_three(material) else 0.0
+        made = choose(material, at.hit.behind, at.reflectance, at.wo, a, b, third)
         wi, d = made.wi, unit(outside(at, made.wi))
         if made.sharp:
             # no light chooses this direction
             share, chance, shared = from_above(material, at, d, wi, made.weight), 1.0, False
         else:
-            share, chance = leaving(material, at, d, wi), density(material, at.hit.behind, at.wo, wi)
+            share, chance = leaving(material, at, d, wi), density(material, at.hit.behind, at.reflectance, at.wo, wi)
             shared = both
         if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
             break

@@ -8,6 +8,7 @@ import numpy as np
 
 from symrender.jit.records import Table
 from symrender.limits import MAX_TERMS
+from symrender.numeric.radiometric.bsdfs.dispatch import laid_materials
 from symrender.numeric.radiometric.meshes import Face, Group, laid_meshes
 from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
@@ -52,6 +53,6 @@ def make_world(arrays: RadiometricArrays) -> World:
     sky = skies[0] if skies else -1
     meshes = laid_meshes(arrays)
     return World(
-        arrays.materials, arrays.terms, fresh_notes(), arrays.shapes, arrays.frames, *meshes, arrays.lights, sky,
-        extended, arrays.bounces, arrays.first_gloss,
+        laid_materials(arrays.materials), arrays.terms, fresh_notes(), arrays.shapes, arrays.frames, *meshes,
+        arrays.lights, sky, extended, arrays.bounces, arrays.first_gloss,
     )  # fmt: skip

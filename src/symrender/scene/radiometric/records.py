@@ -17,8 +17,8 @@ class Material(Record):
     bump ``terms`` is not 0: its height is ``amplitude`` times the last of so many terms from ``begin`` on, ``own`` says
     whether they are of the surface's own coordinates, ``geometric`` whether light arrives by the cosine of its normal.
     A DIELECTRIC has its relative index ``ior``, ``transmitted``, a factor of what goes through, and 1 for ``thin``; a
-    PLASTIC ``ior``, ``specular``, a factor of what its layer reflects, and 1 for ``nonlinear``. What is smooth has
-    ``alpha`` 0.
+    PLASTIC ``ior``, ``specular``, a factor of what its layer reflects, and 1 for ``nonlinear``; ``through`` and
+    ``within`` are 0 in a scene, and computed by who reads it. What is smooth has ``alpha`` 0.
     """
 
     kind: float
@@ -44,6 +44,8 @@ class Material(Record):
     thin: float
     specular: Three
     nonlinear: float
+    through: Annotated[Array, 64]
+    within: float
 
 
 class Term(Record):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.vectors import Vector
+from symrender.numeric.vectors import Vector, along, cross, dot, unit
 from symrender.scene.radiometric.arrays import BECKMANN
 from symrender.scene.radiometric.records import Material
 
@@ -66,3 +66,31 @@ def chosen_facet(material: Material, a: float, b: float) -> Vector:
     t = material.alpha * math.sqrt(spread)
     z = 1.0 / math.sqrt(1.0 + t * t)
     return (t * z * math.cos(turn), t * z * math.sin(turn), z)
+
+
+@jitable
+def visible_facet(material: Material, wo: Vector, a: float, b: float) -> Vector:
+    """Unit normal of a facet by two numbers in [0, 1): of GGX one of those that ``wo`` sees, of Beckmann of all.
+
+    E. Heitz, "Sampling the GGX distribution of visible normals", JCGT 7(4), 2018.
+    """
+    if material.density == BECKMANN:
+        return chosen_facet(material, a, b)
+    v = unit((material.alpha * wo[0], material.alpha * wo[1], wo[2]))
+    size = math.sqrt(v[0] * v[0] + v[1] * v[1])
+    first = (-v[1] / size, v[0] / size, 0.0) if size > 0.0 else (1.0, 0.0, 0.0)
+    second = cross(v, first)
+    r, turn = math.sqrt(a), 2.0 * math.pi * b
+    x, y, share = r * math.cos(turn), r * math.sin(turn), 0.5 * (1.0 + v[2])
+    y = (1.0 - share) * math.sqrt(max(0.0, 1.0 - x * x)) + share * y
+    z = math.sqrt(max(0.0, 1.0 - x * x - y * y))
+    n = along(along((x * first[0], x * first[1], x * first[2]), y, second), z, v)
+    return unit((material.alpha * n[0], material.alpha * n[1], max(0.0, n[2])))
+
+
+@jitable
+def facet_density(material: Material, wo: Vector, h: Vector) -> float:
+    """Probability per solid angle of a facet's unit normal by ``visible_facet``."""
+    if material.density == BECKMANN:
+        return facets(material, tangent2(h)) * h[2]
+    return facets(material, tangent2(h)) * max(0.0, dot(wo, h)) / ((1.0 + hidden(material, wo)) * wo[2])
