@@ -91,12 +91,13 @@ def choose(
     h = visible_facet(material, wo, a, b)
     cosine = dot(wo, h)
     back, beyond = interface(cosine, eta)
-    if cosine <= 0.0:
+    along_h = 2.0 * cosine if c < back else cosine / eta - beyond
+    along_o = 1.0 if c < back else 1.0 / eta
+    wi = (along_h * h[0] - along_o * wo[0], along_h * h[1] - along_o * wo[1], along_h * h[2] - along_o * wo[2])
+    if cosine <= 0.0 or (wi[2] > 0.0) != (c < back):
+        # another facet would have to send it on
         return spread((0.0, 0.0, 0.0))
-    if c < back:
-        return spread((2.0 * cosine * h[0] - wo[0], 2.0 * cosine * h[1] - wo[1], 2.0 * cosine * h[2] - wo[2]))
-    bent = cosine / eta - beyond
-    return spread((bent * h[0] - wo[0] / eta, bent * h[1] - wo[1] / eta, bent * h[2] - wo[2] / eta))
+    return spread(wi)
 
 
 @inlined
