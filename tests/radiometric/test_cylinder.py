@@ -11,7 +11,7 @@ import pytest
 
 import symrender as sr
 from symrender.errors import SceneError, Unsupported
-from symrender.numeric.radiometric.hits import Hit, first_hit
+from symrender.numeric.radiometric.hits import first_hit
 from symrender.numeric.radiometric.world import World, make_world
 from symrender.scene.load import load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -37,15 +37,18 @@ def world_of(shape: dict[str, Any]) -> World:
     return make_world(radiometric_arrays(loaded))
 
 
+def inner(a: Any, b: Any) -> Any:
+    return sum(a[k] * b[k] for k in range(3))
+
+
 def exact_roots(shape: dict[str, Any], origin: Vector, d: Vector) -> list[tuple[Any, Any, Any]]:
     """(distance, its part: 0 side, 1 base, 2 top, by how little it is a hit) of all that a ray meets, in 40 digits."""
     base, axis, o, w = (mp.matrix([mp.mpf(float(x)) for x in v]) for v in (shape["base"], shape["axis"], origin, d))
-    height, radius = mp.norm(axis), mp.mpf(shape["radius"])
+    height, radius = mp.sqrt(inner(axis, axis)), mp.mpf(shape["radius"])
     up, f = axis / height, o - base
-    dot = lambda a, b: sum(a[k] * b[k] for k in range(3))  # noqa: E731
-    z, slope = dot(f, up), dot(w, up)
+    z, slope = inner(f, up), inner(w, up)
     p, q = f - z * up, w - slope * up
-    a, b, c = dot(q, q), dot(p, q), dot(p, p) - radius**2
+    a, b, c = inner(q, q), inner(p, q), inner(p, p) - radius**2
     found = []
     if b * b - a * c > 0:
         for sign in (-1, 1):
@@ -55,7 +58,8 @@ def exact_roots(shape: dict[str, Any], origin: Vector, d: Vector) -> list[tuple[
                 found.append((t, 0, min(level, height - level, t)))
     for part, level in ((1, mp.mpf(0)), (2, height)) if shape["caps"] else ():
         t = (level - z) / slope
-        away = mp.norm(p + t * q)
+        place = p + t * q
+        away = mp.sqrt(inner(place, place))
         if t > 0 and away <= radius:
             found.append((t, part, min(radius - away, t)))
     return sorted(found)
@@ -66,10 +70,6 @@ def drawn(rng: np.random.Generator) -> dict[str, Any]:
         "base": rng.normal(size=3).tolist(), "axis": (rng.normal(size=3) * 10.0 ** rng.uniform(-2, 1)).tolist(),
         "radius": float(10.0 ** rng.uniform(-2, 0.5)), "caps": bool(rng.random() < 0.5),
     }  # fmt: skip
-
-
-def start(hit: Hit) -> tuple[Any, ...]:
-    return hit.place, hit.own, hit.face
 
 
 def test_hits_are_roots_of_the_quadratic_in_forty_digits() -> None:
@@ -113,7 +113,7 @@ def test_hits_are_roots_of_the_quadratic_in_forty_digits() -> None:
 
 def test_a_ray_that_leaves_a_cylinder_meets_it_again_from_inside_alone() -> None:
     rng = np.random.default_rng(5)
-    inner = outer = through = 0
+    again_met = outer = through = 0
     with mp.workdps(40):
         for _ in range(60):
             shape = drawn(rng)
@@ -140,11 +140,11 @@ def test_a_ray_that_leaves_a_cylinder_meets_it_again_from_inside_alone() -> None
                     continue
                 assert (again.own == 0) == bool(exact)
                 if exact:
-                    inner += 1
+                    again_met += 1
                     assert abs(again.distance - float(exact[0][0])) < 1e-7 * size and again.behind
                 else:
                     through += 1
-    assert inner > 80 and outer > 80 and through > 10, (inner, outer, through)
+    assert again_met > 80 and outer > 80 and through > 10, (again_met, outer, through)
 
 
 def test_a_well_shows_the_sky_through_its_mouth() -> None:
@@ -174,11 +174,11 @@ def test_a_lamp_lights_a_place_as_its_area_integral_says(caps: bool) -> None:
     normals = np.cos(2 * np.pi * u)[:, None] * east + np.sin(2 * np.pi * u)[:, None] * north
     total = 0.0
 
-    def add(places: Any, outward: Any, area: float) -> None:
+    def add(places: Any, outward: Any, area: Any) -> None:
         nonlocal total
         far = np.linalg.norm(places, axis=-1)
         above, facing = places[..., 2] / far, -(places * outward).sum(axis=-1) / far
-        total += area * float((np.maximum(above, 0.0) * np.maximum(facing, 0.0) / far**2).mean())
+        total += float(area) * float((np.maximum(above, 0.0) * np.maximum(facing, 0.0) / far**2).mean())
 
     side = base + u[:, None, None] * axis + radius * normals
     add(side, np.broadcast_to(normals, side.shape), 2 * np.pi * radius * height)

