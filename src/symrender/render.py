@@ -272,8 +272,11 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
         from symrender.runtimes.exposed import check_means
         from symrender.runtimes.radiometric import check
 
-        check(radiometric_arrays(scene))
-        check_means(radiometric_arrays(scene), settings)
+        try:
+            check(radiometric_arrays(scene))
+            check_means(radiometric_arrays(scene), settings)
+        except Unsupported as error:
+            raise Unsupported(f"{error}. Its image by paths alone is had with symbolic: none") from None
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 

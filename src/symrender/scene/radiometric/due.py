@@ -33,11 +33,11 @@ def refuse_sampled(arrays: RadiometricArrays) -> None:
         kind, material = int(shape.kind), arrays.materials[int(shape.material)]
         if kind not in _SHAPES:
             name = SAMPLED_SHAPES.get(kind, "its type")
-            raise Unsupported(f"shapes[{j}]: {name} is not integrated by quadrature; method: sampled takes it")
+            raise Unsupported(f"shapes[{j}]: {name} is not integrated by quadrature; truth samples it")
         if not _is_integrated(material):
             name = SAMPLED_MATERIALS.get(int(material.kind), "its type")
             raise Unsupported(
-                f"the material of shapes[{j}]: {name} is not integrated by quadrature; method: sampled takes it"
+                f"the material of shapes[{j}]: {name} is not integrated by quadrature; truth samples it"
             )
 
 
