@@ -26,7 +26,8 @@ def main() -> None:
             arguments[arguments.index("--out") + 1] = folder
             if command([*arguments, "--quiet"]) != 0:
                 raise SystemExit(f"failed: {' '.join(arguments)}")
-            write_bytes(DOCS / "images" / f"gallery-{name}.png", (Path(folder) / "symbolic.png").read_bytes())
+            side = "numeric" if "--symbolic" in arguments else "symbolic"
+            write_bytes(DOCS / "images" / f"gallery-{name}.png", (Path(folder) / f"{side}.png").read_bytes())
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ def test_a_planted_formula_is_found(formula: str) -> None:
 
 
 ROOM = ("chambers/lobes/",)
-"""What is true of a kind of lobe only is written here (``docs/adding-a-lobe.md``)."""
+"""What is true of a kind of lobe only is written here (``docs/adding-a-bsdf.md``)."""
 OF_A_LOBE = r"\.exponent\b|log_normaliser|\.facing\b|facing_level|log_rim|cos\*\*n|cosine\*\*n"
 NO_LOBE = (
     "chambers/leaf_rows.py",  # emitted: one of its functions is called by the room alone

@@ -94,15 +94,16 @@ def _refuse(name: str, material: Material) -> None:
     if isinstance(material, Diffuse):
         return
     if material.alpha and material.distribution != "ggx":
-        raise Unsupported(f"{where}.distribution: pbrt: rough materials have ggx, got {material.distribution}")
+        raise Unsupported(f"{where}.distribution: pbrt: {material.type}s have ggx, got {material.distribution}")
     if material.alpha and material.masking != "correlated":
-        raise Unsupported(f"{where}.masking: pbrt: rough materials have masking: correlated, got {material.masking}")
+        raise Unsupported(f"{where}.masking: pbrt: {material.type}s have masking: correlated, got {material.masking}")
     if 0.0 < material.alpha < SMOOTHEST:
-        raise Unsupported(f"{where}.alpha: pbrt: is smooth below {SMOOTHEST:g}, got {material.alpha:g}")
+        raise Unsupported(f"{where}.alpha: pbrt: is a mirror below {SMOOTHEST:g}, got {material.alpha:g}")
     if isinstance(reflectance, Checker) or set(reflectance.color) != {1.0}:
-        raise Unsupported(f"{where}.reflectance: pbrt: metal and glass have no factor there; 1 is what it can be")
+        what = "a conductor with eta and k" if isinstance(material, Conductor) else "a dielectric"
+        raise Unsupported(f"{where}.reflectance: pbrt: {what} has no factor; 1 is what it can be")
     if isinstance(material, Dielectric) and set(material.transmittance) != {1.0}:
-        raise Unsupported(f"{where}.transmittance: pbrt: glass has no factor there; 1 is what it can be")
+        raise Unsupported(f"{where}.transmittance: pbrt: a dielectric has no factor; 1 is what it can be")
 
 
 def _refuse_backs(scene: RadiometricScene) -> None:

@@ -36,9 +36,7 @@ def refuse_sampled(arrays: RadiometricArrays) -> None:
             raise Unsupported(f"shapes[{j}]: {name} is not integrated by quadrature; truth samples it")
         if not _is_integrated(material):
             name = SAMPLED_MATERIALS.get(int(material.kind), "its type")
-            raise Unsupported(
-                f"the material of shapes[{j}]: {name} is not integrated by quadrature; truth samples it"
-            )
+            raise Unsupported(f"the material of shapes[{j}]: {name} is not integrated by quadrature; truth samples it")
 
 
 def _is_integrated(material: Material) -> bool:
