@@ -96,5 +96,5 @@ def test_what_a_renderer_cannot_state_is_refused(to: str, material: dict[str, An
         sr.export(made, to, size=8)  # type: ignore[call-overload]
     plastic = scene(materials=MATERIALS | {"frosted": MATERIALS["clear"]})
     if to == "pbrt":
-        with pytest.raises(Unsupported, match="materials.shiny: pbrt"):
+        with pytest.raises(Unsupported, match=r"materials\.shiny: pbrt"):
             sr.export(plastic, "pbrt", size=8)

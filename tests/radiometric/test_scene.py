@@ -28,7 +28,8 @@ def base() -> dict[str, Any]:
 
 def test_a_gallery_scene_is_read_and_written_bit_for_bit() -> None:
     assert gallery.radiometric_names() == (
-        "cornell", "cornell_gloss", "furnace_radiometric", "glass", "interreflection", "mesh", "metal", "ripples", "veach",
+        "cornell", "cornell_gloss", "furnace_radiometric", "glass", "interreflection", "mesh", "metal", "ripples",
+        "veach",
     )  # fmt: skip
     assert set(gallery.names()).isdisjoint(gallery.radiometric_names())
     scene = sr.load("metal")
