@@ -7,6 +7,8 @@ import shlex
 import tempfile
 from pathlib import Path
 
+from PIL import Image
+
 from symrender.cli import main as command
 from symrender.images.output import write_bytes
 
@@ -26,8 +28,13 @@ def main() -> None:
             arguments[arguments.index("--out") + 1] = folder
             if command([*arguments, "--quiet"]) != 0:
                 raise SystemExit(f"failed: {' '.join(arguments)}")
-            side = "numeric" if "--symbolic" in arguments else "symbolic"
-            write_bytes(DOCS / "images" / f"gallery-{name}.png", (Path(folder) / f"{side}.png").read_bytes())
+            target = DOCS / "images" / f"gallery-{name}.png"
+            if "--symbolic" in arguments:
+                # noise is not made smaller by PNG, fewer colours are
+                picture = Image.open(Path(folder) / "numeric.png")
+                picture.quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
+            else:
+                write_bytes(target, (Path(folder) / "symbolic.png").read_bytes())
 
 
 if __name__ == "__main__":
