@@ -109,7 +109,7 @@ def _masking(material: Facets, first: Array, second: Array) -> Array:
 
     hidden = []
     for cosine, fitted in ((first, False), (second, material.walter != 0.0)):
-        slope = material.alpha * np.sqrt(np.maximum(1.0 - cosine**2, 1e-300)) / cosine
+        slope = np.maximum(material.alpha * np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / cosine, 1e-100)
         if material.density != BECKMANN:
             hidden.append(0.5 * (np.sqrt(1.0 + slope**2) - 1.0))
             continue
