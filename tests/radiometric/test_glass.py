@@ -154,6 +154,14 @@ def test_smooth_glass_is_not_seen_in_a_furnace(glass: dict[str, Any]) -> None:
     )
 
 
+def test_radiance_within_glass_is_that_outside_times_the_squared_index() -> None:
+    camera = {"type": "look_at", "eye": [0, 0, 0], "target": [0, 1, 0.2], "fov": 60}
+    made = scene({"type": "dielectric", "ior": 1.5}, camera=camera)
+    image = sr.truth(made, size=3, tol=0.05, budget=200_000, threads=1)
+    assert (np.abs(image.radiance - 2.25).max(axis=2) <= image.layer("error")).all()
+    assert image.layer("error").max() < 0.2
+
+
 def slab(
     ior: float, angle: float, at: float, bounces: int | str, glass: dict[str, Any] | None = None
 ) -> dict[str, Any]:
