@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import codecs
 import io
-import math
 import re
 import warnings
 from typing import Any, Final
 
 from symrender.errors import SceneError, remedy
 from symrender.limits import MAX_TRIANGLES
-from symrender.scene.meshes.net import NO_NORMALS, BadMesh, Net
+from symrender.scene.meshes.net import BadMesh, Net
 from symrender.scene.printable import printable
 
 _HEADER: Final = 1 << 16
@@ -21,7 +20,9 @@ _COUNT: Final = re.compile(r"[0-9]{1,9}")
 _FORMATS: Final = ("ascii", "binary_little_endian", "binary_big_endian")
 _TYPES: Final = re.compile("u?(?:char|short|int|int8|int16|int32)|float|double|float32|float64")
 _AXES: Final = ("x", "y", "z")
-_NORMAL: Final = {"nx", "ny", "nz"}
+_NORMAL: Final = ("nx", "ny", "nz")
+_COORDINATES: Final = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
+"""Names of texture coordinates; as in Mitsuba they are those of an image whose rows go down."""
 _LISTS: Final = ("vertex_indices", "vertex_index")
 
 
@@ -51,8 +52,6 @@ def read_ply(data: bytes) -> Net:
     _put_faces(net, elements["face"])
     if not net.polygons:
         raise BadMesh("element 'face': must have a row, got none")
-    if {each.name for each in elements["vertex"].properties} >= _NORMAL:
-        net.notes.append(NO_NORMALS)
     return net
 
 
@@ -125,14 +124,30 @@ def _put_vertices(net: Net, element: Any) -> None:
     missing = [axis for axis in _AXES if axis not in names]
     if missing:
         raise BadMesh(f"element 'vertex': must have a property '{missing[0]}'")
-    columns = [element.data[axis] for axis in _AXES]
+    if len(element.data) > MAX_TRIANGLES:
+        raise BadMesh(f"element 'vertex': a mesh may have at most {MAX_TRIANGLES} vertices")
+    net.vertices = _columns(element, _AXES)
+    coordinates = next((pair for pair in _COORDINATES if {*pair} <= {*names}), None)
+    if coordinates:
+        net.uv = _columns(element, coordinates)
+    if {*_NORMAL} <= {*names}:
+        net.normals = _columns(element, _NORMAL)
+
+
+def _columns(element: Any, names: tuple[str, ...]) -> list[list[float]]:
+    """Numbers of an element's rows."""
+    import numpy as np
+
+    columns = [element.data[name] for name in names]
     if any(column.dtype.kind not in "fiu" for column in columns):
-        raise BadMesh("element 'vertex': x, y and z must be numbers, not lists")
-    for row in range(len(columns[0])):
-        place = [float(column[row]) for column in columns]
-        if not all(map(math.isfinite, place)):
-            raise BadMesh(f"element 'vertex': row {row}: must be finite numbers, got {place}")
-        net.put_vertex(place, f"element 'vertex': row {row}")
+        raise BadMesh(f"element 'vertex': {', '.join(names[:-1])} and {names[-1]} must be numbers, not lists")
+    rows = np.stack([column.astype(np.float64) for column in columns], axis=1)
+    wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if len(wrong):
+        row = int(wrong[0])
+        raise BadMesh(f"element 'vertex': row {row}: must be finite numbers, got {rows[row].tolist()}")
+    found: list[list[float]] = rows.tolist()
+    return found
 
 
 def _put_faces(net: Net, element: Any) -> None:

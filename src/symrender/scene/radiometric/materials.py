@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.scene.radiometric.bump import Bump
+from symrender.scene.radiometric.textures import Checkerboard, Image
 from symrender.scene.radiometric.values import Alpha, Extinctions, Indices, Power, Shares
 from symrender.scene.values import Length, Part
 
@@ -59,7 +60,9 @@ def _textured(value: Any) -> Any:
     return {"type": "solid", "color": value} if isinstance(value, int | float | list | tuple) else value
 
 
-Reflectance = Annotated[Solid | Checker | Stripes | Marble, Field(discriminator="type"), BeforeValidator(_textured)]
+Reflectance = Annotated[
+    Solid | Checker | Stripes | Marble | Checkerboard | Image, Field(discriminator="type"), BeforeValidator(_textured)
+]
 
 
 class Diffuse(Part):
