@@ -74,6 +74,14 @@ def corner_place(shape: Shape, place: Vector) -> tuple[float, float]:
 
 
 @jitable
+def edge_shares(corner: Vector, u: Vector, v: Vector, place: Vector) -> tuple[float, float]:
+    """Coordinates of a place of a flat shape in the two edges that leave its first corner."""
+    n, s = cross(u, v), minus(place, corner)
+    size = dot(n, n)
+    return dot(cross(s, v), n) / size, dot(cross(u, s), n) / size
+
+
+@jitable
 def disk_distance(frame: Frame, radius: float, origin: Vector, d: Vector) -> float:
     """Distance along a unit ray to a disk, inf where it is not met."""
     p, w = carried(frame, origin), turned(frame, d)

@@ -34,7 +34,7 @@ CLAMP: Final = 1
 MIRROR: Final = 2
 _WRAPS: Final = {"repeat": REPEAT, "clamp": CLAMP, "mirror": MIRROR}
 
-# layouts of a map of directions
+# grids of a map of directions
 CORNERS: Final = 0
 CENTRES: Final = 1
 EQUAL_AREA: Final = 2
@@ -44,7 +44,7 @@ class Picture(Record):
     """An image of ``wide`` x ``high`` texels from ``start`` of the list on, row by row, and how it is asked.
 
     Of a texture ``affine`` takes (u, v, 1) to its coordinates, two rows of three; of a map of directions ``turn`` takes
-    directions of the world to its own, three rows of three, and ``layout`` says where its texels lie.
+    directions of the world to its own, three rows of three, and ``grid`` says where its texels lie.
     """
 
     start: float
@@ -52,7 +52,7 @@ class Picture(Record):
     high: float
     filter: float
     wrap: float
-    layout: float
+    grid: float
     affine: Annotated[Array, 6]
     turn: Annotated[Array, 9]
 
@@ -88,7 +88,7 @@ class Gallery:
             it.start, it.high, it.wide = start, image.shape[0], image.shape[1]
             it.filter = NEAREST if part.filter == "nearest" else BILINEAR
         if isinstance(part, Environment):
-            it.layout = EQUAL_AREA if part.layout == "equal_area" else CENTRES if part.rows == "centres" else CORNERS
+            it.grid = EQUAL_AREA if part.layout == "equal_area" else CENTRES if part.rows == "centres" else CORNERS
             it.turn[:] = turned(part).T.ravel()
         else:
             it.wrap = _WRAPS[part.wrap] if isinstance(part, Image) else REPEAT

@@ -43,7 +43,7 @@ class Pictured(Part):
 
 
 class Placed(Part):
-    """Base of textures in the (u, v) of a shape: they are turned, then multiplied by ``scale``, then ``offset`` added."""
+    """Base of textures in the (u, v) of a shape: turned, then multiplied by ``scale``, then moved."""
 
     scale: Annotated[Point2, Field(description="factors of u and v: how often the texture stands in them")] = (1.0, 1.0)
     offset: Annotated[Point2, Field(description="what is added to u and v after scale and rotation")] = (0.0, 0.0)
