@@ -72,10 +72,10 @@ def map_colour(world: World, picture: Picture, way: Vector) -> Vector:
 def map_density(world: World, picture: Picture, way: Vector) -> float:
     """Density, per solid angle, with which a direction of a map is chosen."""
     bands = world.sky_rows.shape[0] - 1
-    total = world.sky_rows[bands]
+    total: float = world.sky_rows[bands]
     if total <= 0.0:
         return 0.0
-    level = luminance(map_colour(world, picture, way)) / total
+    level: float = luminance(map_colour(world, picture, way)) / total
     if picture.grid == EQUAL_AREA:
         return level * picture.wide * picture.high / (4.0 * math.pi)
     angle = polar(way)

@@ -28,9 +28,10 @@ def wrapped(k: float, count: float, wrap: float) -> float:
     if wrap == CLAMP:
         return min(max(k, 0.0), count - 1.0)
     if wrap == MIRROR:
-        within = k - 2.0 * count * np.floor(k / (2.0 * count))
+        within: float = k - 2.0 * count * np.floor(k / (2.0 * count))
         return within if within < count else 2.0 * count - 1.0 - within
-    return k - count * np.floor(k / count)
+    inside: float = k - count * np.floor(k / count)
+    return inside
 
 
 @jitable
