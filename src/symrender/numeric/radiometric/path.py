@@ -59,7 +59,10 @@ def surface(world: World, hit: Hit, d: Vector) -> Surface:
         o = raised_normal(world, hit)
         n = (-o[0], -o[1], -o[2]) if hit.behind else o
     elif hit.face >= 0 and world.normals.shape[0] > 0:
+        # as Mitsuba does: the side is that of this normal, and light is not cut at the horizon of the face
         n = smooth_normal(world.faces[hit.face], world.normals[hit.face], hit.place, n)
+        if dot(n, d) > 0.0 and world.materials[int(world.shapes[hit.own].material)].two_sided != 0.0:
+            n = (-n[0], -n[1], -n[2])
     first = unit(cross(n, (0.0, 0.0, 1.0) if abs(n[2]) < 0.7 else (1.0, 0.0, 0.0)))
     second = cross(n, first)
     wo = (-dot(d, first), -dot(d, second), -dot(d, n))
