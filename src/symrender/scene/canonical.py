@@ -11,13 +11,17 @@ from symrender.scene.values import Part
 
 _OF_VERTICES: Final = ("uv", "uv_faces", "normals", "normal_faces")
 """Fields of a mesh that are empty where its file says nothing of them."""
+_CORNERS: Final = ("faces", "uv_faces", "normal_faces")
+_NUMBERS: Final = ("vertices", *_CORNERS, "uv", "normals")
+"""Fields of a mesh that hold numbers alone."""
 
 
 def _canonical(value: Any) -> Any:
     if isinstance(value, float):
         return (value + 0.0).hex()  # -0.0 + 0.0 is 0.0
     if isinstance(value, dict):
-        return {key: _canonical(entry) for key, entry in value.items()}
+        # millions of whole numbers are as they are
+        return {key: entry if key in _CORNERS else _canonical(entry) for key, entry in value.items()}
     return [_canonical(entry) for entry in value] if isinstance(value, tuple) else value
 
 
@@ -36,7 +40,7 @@ def _said(value: Any) -> Any:
     bare = {name for name in _OF_VERTICES if value.get(name) == ()}
     bare |= {"shading_normals"} if value.get("shading_normals") == "ignore" else set()
     left = {"notes"} | still | flat | bare | ({"aperture", "focus"} if sharp else set())
-    said = {key: _said(entry) for key, entry in value.items() if key not in left}
+    said = {key: entry if key in _NUMBERS else _said(entry) for key, entry in value.items() if key not in left}
     return said | {"data": digest(value["data"])} if value.get("type") in KINDS else said
 
 

@@ -60,6 +60,39 @@ class Net:
         """
         if not smooth and (self.beside["normals"] or len(self.normals) == len(self.vertices)):
             self.notes.append(NO_NORMALS)
+        faces, sources, flat, double = self._cut() if self._mixed() else self._triangles_kept()
+        if flat or double:
+            parts_left = [f"{flat} without an area"] * (flat > 0) + [f"{double} that lie in others"] * (double > 0)
+            self.notes.append(f"of {len(self.polygons)} faces {' and '.join(parts_left)} are left out")
+        if not faces:
+            raise BadMesh(f"{self.polygons[0][1]}: a mesh must have a face with an area, got none")
+        found = {"vertices": self.vertices, "faces": faces}
+        for name in ("uv", "normals") if smooth else ("uv",):
+            own = self._of_vertices(name, faces, sources)
+            if getattr(self, name) and not own:
+                self.notes.append(f"its {_WORDS[name]} are not used: not every corner of a face has one")
+            found |= own
+        return found | ({"notes": "; ".join(self.notes)} if self.notes else {})
+
+    def _mixed(self) -> bool:
+        """Whether some polygon is no triangle."""
+        return self._triangles > len(self.polygons)
+
+    def _triangles_kept(self) -> tuple[list[Face], list[int], int, int]:
+        """What ``_cut`` returns where all polygons are triangles, at once for all of them."""
+        import numpy as np
+
+        from symrender.scene.meshes.many import first_alike, flat_ones
+
+        faces = np.array([corners for corners, _ in self.polygons], dtype=np.int64)
+        thin = flat_ones(np.array(self.vertices)[faces])
+        full = np.flatnonzero(~thin)
+        alike = first_alike(self.vertices, faces[full]) if len(full) else full
+        kept = full[alike == np.arange(len(full))]
+        return list(map(tuple, faces[kept].tolist())), kept.tolist(), int(thin.sum()), len(full) - len(kept)
+
+    def _cut(self) -> tuple[list[Face], list[int], int, int]:
+        """(faces, the polygon each is of, polygons without an area, polygons that lie in others)."""
         first: dict[tuple[float, ...], int] = {}
         same = [first.setdefault(tuple(place), k) for k, place in enumerate(self.vertices)]
         known: set[tuple[int, ...]] = set()
@@ -81,18 +114,7 @@ class Net:
             known |= {outline, *(around for _, around in parts)}
             faces += new
             sources += [place] * len(new)
-        if flat or double:
-            parts_left = [f"{flat} without an area"] * (flat > 0) + [f"{double} that lie in others"] * (double > 0)
-            self.notes.append(f"of {len(self.polygons)} faces {' and '.join(parts_left)} are left out")
-        if not faces:
-            raise BadMesh(f"{self.polygons[0][1]}: a mesh must have a face with an area, got none")
-        found = {"vertices": self.vertices, "faces": faces}
-        for name in ("uv", "normals") if smooth else ("uv",):
-            own = self._of_vertices(name, faces, sources)
-            if getattr(self, name) and not own:
-                self.notes.append(f"its {_WORDS[name]} are not used: not every corner of a face has one")
-            found |= own
-        return found | ({"notes": "; ".join(self.notes)} if self.notes else {})
+        return faces, sources, flat, double
 
     def _of_vertices(self, name: str, faces: list[Face], sources: list[int]) -> dict[str, Any]:
         """Coordinates or normals as fields of a mesh; nothing where some corner of a face has none.

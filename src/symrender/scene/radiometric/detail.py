@@ -115,7 +115,7 @@ class Gallery:
             pictures[k] = row[0]
         texels = [image.reshape(-1, 3) for _, image in self._images.values()]
         return Detail(
-            pictures, np.concatenate(texels) if texels else np.zeros((0, 3)), *_of_vertices(shapes, facets)
+            pictures, np.concatenate(texels) if texels else np.zeros((0, 3)), *of_vertices(shapes, facets)
         )  # fmt: skip
 
 
@@ -127,7 +127,7 @@ def turned(part: Environment) -> Array:
     return np.asarray(u @ v @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
-def _of_vertices(shapes: Sequence[ShapePart], facets: int) -> tuple[Array, Array]:
+def of_vertices(shapes: Sequence[ShapePart], facets: int) -> tuple[Array, Array]:
     """Coordinates and normals of the corners of all facets, without rows where no mesh has any."""
     meshes = [shape for shape in shapes if isinstance(shape, Mesh)]
     coordinates = np.zeros((facets if any(mesh.uv for mesh in meshes) else 0, 6))

@@ -201,6 +201,17 @@ class Mesh(Part):
             raise wrong("is read where a scene is loaded; a Mesh holds vertices and faces", "file")
         if not self.faces:
             raise wrong("must hold at least one face, or be read from a file", "faces")
+        self._check_faces()
+        self._check_vertices("uv", self.uv, self.uv_faces)
+        self._check_vertices("normals", self.normals, self.normal_faces)
+        return self
+
+    def _check_faces(self) -> None:
+        """Raise PydanticCustomError for the first face that has no vertices or no area, or lies in another."""
+        from symrender.scene.meshes.many import sound
+
+        if sound(self.vertices, self.faces):
+            return
         known: dict[frozenset[Triple], int] = {}
         for index, face in enumerate(self.faces):
             if max(face) >= len(self.vertices):
@@ -214,9 +225,6 @@ class Mesh(Part):
                     f"lies in faces[{other}], and which of them is seen is not decided; two_sided shows both sides",
                     "faces", index,
                 )  # fmt: skip
-        self._check_vertices("uv", self.uv, self.uv_faces)
-        self._check_vertices("normals", self.normals, self.normal_faces)
-        return self
 
     def _check_vertices(self, field: str, values: tuple[Any, ...], corners: tuple[tuple[int, int, int], ...]) -> None:
         """Raise PydanticCustomError where what vertices have is not there for all corners of all faces."""
