@@ -74,7 +74,7 @@ def mitsuba(
         body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
-    pictured = [material.reflectance for material in there.materials.values()]
+    pictured = [there.materials[name].reflectance for name in used]
     for part in (*pictured, *there.lights):
         if isinstance(part, Image | lights.Environment):
             meshes[_file_of(part)] = content(part.data)
