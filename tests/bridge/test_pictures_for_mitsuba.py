@@ -1,4 +1,4 @@
-"""What Mitsuba is given of images, environments and smooth meshes; rendered by Mitsuba 3.9.1 it was the same by hand."""
+"""What Mitsuba is given of images, environments and smooth meshes (Mitsuba 3.9.1 rendered the same, by hand)."""
 
 from __future__ import annotations
 
