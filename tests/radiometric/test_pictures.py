@@ -21,9 +21,12 @@ from symrender.jit.compiled import compiled
 from symrender.numeric.radiometric import environment
 from symrender.numeric.radiometric.pipeline import rays
 from symrender.numeric.radiometric.world import World, make_world
+from symrender.numeric.rays import camera_frame
+from symrender.radiance.lamps import seen_radiance
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import AnyScene, load_any, parse_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.settings import Settings
 
 Array = npt.NDArray[np.float64]
 CAMERA = {"type": "look_at", "eye": [0, -5, 2], "target": [0, 0, 0.5], "up": [0, 0, 1], "fov": 39}
@@ -538,3 +541,24 @@ lights:
     line = 5 if field == "texture" else 8
     named = "materials.m.reflectance.file" if field == "texture" else "lights[0].file"
     assert f"a.yaml:{line}:" in str(error.value) and f"{named}: " in str(error.value) and words in str(error.value)
+
+
+@pytest.mark.parametrize("options", MAPS)
+def test_what_a_pixel_may_see_of_an_environment_bounds_what_it_sees(options: dict[str, Any]) -> None:
+    made = mapped(**options)[0].replace({"camera.fov": 100.0, "camera.target": [0.0, 0.0, 4.0]})
+    arrays, size = radiometric_arrays(made), 24
+    settings = Settings(width=size, height=size, filter="box")
+    columns, rows = (k.ravel() for k in np.meshgrid(np.arange(size), np.arange(size)))
+    bound = seen_radiance(arrays, settings, columns, rows)
+    frame = camera_frame(arrays.camera, size, size)
+    most = np.zeros(size * size)
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        a = 2 * (columns + rng.random(size * size)) / size - 1
+        b = 1 - 2 * (rows + rng.random(size * size)) / size
+        ways = frame[4:7] + a[:, None] * frame[7:10] + b[:, None] * frame[10:13]
+        most = np.maximum(most, looked(made, [0, -5, 2], ways)[0].max(axis=1))
+    assert most.max() > 20 > np.median(most)
+    assert (most <= bound * (1 + 1e-12)).all()
+    # the brightest pixel of the map is not everywhere
+    assert options.get("layout") or np.median(bound) < 0.2 * bound.max()
