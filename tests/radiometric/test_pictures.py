@@ -545,7 +545,9 @@ lights:
 
 @pytest.mark.parametrize("options", MAPS)
 def test_what_a_pixel_may_see_of_an_environment_bounds_what_it_sees(options: dict[str, Any]) -> None:
-    made = mapped(**options)[0].replace({"camera.fov": 100.0, "camera.target": [0.0, 0.0, 4.0]})
+    made, (everywhere, _) = mapped(**options)[0], grid(60)
+    bright = everywhere[looked(made, [0, 0, 0], everywhere)[0].max(axis=1).argmax()]
+    made = made.replace({"camera.fov": 100.0, "camera.target": (np.array([0.0, -5.0, 2.0]) + bright).tolist()})
     arrays, size = radiometric_arrays(made), 24
     settings = Settings(width=size, height=size, filter="box")
     columns, rows = (k.ravel() for k in np.meshgrid(np.arange(size), np.arange(size)))
