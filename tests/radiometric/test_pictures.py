@@ -562,5 +562,5 @@ def test_what_a_pixel_may_see_of_an_environment_bounds_what_it_sees(options: dic
         most = np.maximum(most, looked(made, [0, -5, 2], ways)[0].max(axis=1))
     assert most.max() > 20 > np.median(most)
     assert (most <= bound * (1 + 1e-12)).all()
-    # the brightest pixel of the map is not everywhere
-    assert options.get("layout") or np.median(bound) < 0.2 * bound.max()
+    # of a map of 16 columns some pixels cannot see the brightest one
+    assert options.get("layout") or (bound < 0.2 * bound.max()).mean() > 0.05
