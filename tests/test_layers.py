@@ -14,8 +14,8 @@ PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "limits", "settings", "version"),
-    ("jit",),
-    ("scene", "images"),
+    ("jit", "images"),
+    ("scene",),
     ("numeric", "expression", "leaves"),
     ("chambers",),
     ("radiometric",),

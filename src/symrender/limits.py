@@ -27,10 +27,16 @@ MAX_PLANES: Final = 16
 """Most planes in a scene, beside its floor."""
 MAX_SHAPES: Final = 1024
 """Most shapes in a radiometric scene."""
-MAX_TRIANGLES: Final = 100_000
-"""Most triangles of all meshes in a radiometric scene together, and most vertices of one mesh: 1 GB of memory."""
-MAX_MESH_BYTES: Final = 1 << 25
-"""Largest file of a mesh, bytes."""
+MAX_TRIANGLES: Final = 1_000_000
+"""Most triangles of all meshes in a radiometric scene together, and most vertices of one mesh."""
+MAX_QUADRATURE_TRIANGLES: Final = 100_000
+"""Most triangles that quadrature takes: 1 GB of memory; the path tracer takes ``MAX_TRIANGLES``."""
+MAX_MESH_BYTES: Final = 1 << 28
+"""Largest file of a mesh, bytes: an OBJ of 10^6 triangles with normals and texture coordinates has 130 MB."""
+MAX_PICTURE_BYTES: Final = 1 << 27
+"""Largest file of an image that a scene names, bytes."""
+MAX_PICTURE_PIXELS: Final = 1 << 25
+"""Most pixels of an image that a scene names, 8192 x 4096: 800 MB of memory."""
 MAX_LIGHTS: Final = 256
 """Most lights in a scene."""
 MAX_BOUNCES: Final = 1024

@@ -46,7 +46,7 @@ from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
-from symrender.scene.radiometric.lights import Area, Sky
+from symrender.scene.radiometric.lights import Area, Environment, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
 from symrender.settings import (
@@ -317,7 +317,7 @@ def _one(crew: Crew, job: Job, scene: AnyScene) -> tuple[Image, Timing]:
 def _paths(scene: RadiometricScene, settings: Settings) -> str:
     """What the path tracer draws at random."""
     drawn = ["point and directional lights exactly"]
-    if any(isinstance(light, Sky) for light in scene.lights):
+    if any(isinstance(light, Sky | Environment) for light in scene.lights):
         alone = settings.numeric == "importance"
         drawn.append(
             "the sky by the material" if alone else "the sky by both itself and the material (balance heuristic)"

@@ -321,3 +321,25 @@ def test_a_mesh_emits_as_its_triangles_do(net: nets.Net, convex: bool) -> None:
     assert (runs[0][0] == found.emitted).all()
     assert (np.abs(lit - found.direct[:, 0]) <= 7 * noise / math.sqrt(8) + 1e-3).all()
     assert np.median(noise) < 0.05
+
+
+@pytest.mark.parametrize("lift", [0.0, -1e-3, -1e-12, -1e-14, 1e-3])
+@pytest.mark.parametrize("copies", [1, 2])
+def test_a_mesh_is_convex_where_no_corner_rises_over_a_face(lift: float, copies: int) -> None:
+    """Boxes of corners say what a comparison of all corners with all faces says."""
+    from scipy.spatial import ConvexHull
+
+    from symrender.radiometric.pieces import _FLAT, _is_convex
+
+    rng = np.random.default_rng(4)
+    balls = rng.normal(size=(400, 3))
+    balls *= np.array([1.0, 2.0, 3.0]) / np.linalg.norm(balls, axis=1, keepdims=True)
+    corners = balls[ConvexHull(balls).simplices]
+    ups = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    ups *= np.sign((ups * corners[:, 0]).sum(axis=1))[:, None] / np.linalg.norm(ups, axis=1, keepdims=True)
+    levels, places = (ups * corners[:, 0]).sum(axis=1), balls.copy()
+    places[7] *= 1.0 + lift
+    places = np.concatenate([places + 10.0 * k for k in range(copies)])
+    rise = float((ups @ places.T - levels[:, None]).max())
+    assert len(ups) > 700
+    assert _is_convex(ups, levels, places, 3.0) == (rise <= _FLAT * 3.0) == (copies == 1 and lift <= 0.0)

@@ -101,7 +101,10 @@ SKY = {"type": "sky", "name": "a", "radiance": 1}
         ({"shapes": [{"type": "box"}]}, "shapes[0].size: missing"),
         ({"shapes": [{"type": "torus"}]}, "shapes[0].type: must be one of plane, sphere, rectangle, triangle,"),
         ({"lights": [{"type": "area", "name": "a", "radiance": 1}]}, "lights[0].shape: "),
-        ({"lights": [SKY, SKY | {"name": "b"}]}, "lights[1].type: at most one light is a sky, lights[0] is one too"),
+        (
+            {"lights": [SKY, SKY | {"name": "b"}]},
+            "lights[1].type: at most one light is a sky or an environment, lights[0] is one too",
+        ),
         ({"lights": [SKY, SKY]}, "lights[1].name: must be unique, lights[0] is 'a' too"),
         ({"materials": {"1a": METAL}}, "materials.1a: must be a letter"),
         (

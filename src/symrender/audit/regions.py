@@ -15,7 +15,7 @@ from symrender.images.image import Image
 from symrender.runtimes.glimpse import Rows, direct_rows, reflectance_rows
 from symrender.scene.load import AnyScene
 from symrender.scene.radiometric.arrays import FIRST_SHAPE, radiometric_arrays
-from symrender.scene.radiometric.lights import Area, Light, Sky
+from symrender.scene.radiometric.lights import Area, Environment, Light, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 
 Array = npt.NDArray[np.float64]
@@ -75,8 +75,13 @@ def _finer(scene: AnyScene, true: Image, threads: int) -> list[Region]:
     """Edges inside shapes: where a light begins to be hidden, where a texture changes."""
     if not isinstance(scene, RadiometricScene):
         return [Region("shading edges", _jumps(true.layer("direct")), "shadows, terminators and texture lines")]
-    lamps = [light for light in scene.lights if not isinstance(light, Sky)]
-    skies = [light for light in scene.lights if isinstance(light, Sky)]
+    lamps = [light for light in scene.lights if not isinstance(light, Sky | Environment)]
+    # what hides an environment hides a sky of one radiance alike
+    skies = [
+        Sky(name=light.name, radiance=(1.0, 1.0, 1.0)) if isinstance(light, Environment) else light
+        for light in scene.lights
+        if isinstance(light, Sky | Environment)
+    ]
     size, found = (true.width, true.height), []
     bare = np.zeros((true.height, true.width, 3))
     for number, light in enumerate(lamps):
@@ -119,12 +124,15 @@ def _partly_lit(scene: RadiometricScene, lamp: Area, light: Array, classes: Arra
 def _direct(
     scene: RadiometricScene, lights: Sequence[Light], size: tuple[int, int], threads: int, names: Sequence[str] = ()
 ) -> Array:
-    """Direct light of ``lights`` alone where every surface is of one white diffuse material, (h, w, 3).
+    """Direct light of ``lights`` alone where every surface is of one white diffuse material, faces flat, (h, w, 3).
 
     Where ``names`` are given the scene has these shapes only.
     """
     data = scene.model_dump()
     data["shapes"] = [shape for shape in data["shapes"] if not names or shape["name"] in names]
+    data["shapes"] = [
+        shape | ({"shading_normals": "ignore"} if shape["type"] == "mesh" else {}) for shape in data["shapes"]
+    ]
     white = {"type": "diffuse", "reflectance": 0.5}
     sided = {name: part.get("two_sided", False) for name, part in data["materials"].items()}
     data["materials"] = {name: white | {"two_sided": sided[name]} for name in data["materials"]}

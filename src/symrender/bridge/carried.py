@@ -30,7 +30,7 @@ pbrt's start as far off as its own bounds of roundings say, which is within the 
 class Carried:
     """The files of an exported scene by name, and what is told of them (also in ``receipt.json``)."""
 
-    files: dict[str, str]
+    files: dict[str, str | bytes]
     receipt: dict[str, Any]
 
     def save(self, folder: str | Path, *, force: bool = True, inputs: Iterable[str | Path] = ()) -> tuple[Path, ...]:
@@ -43,7 +43,7 @@ class Carried:
         for target in targets:
             check_target(target, force=force, inputs=inputs)
         for target, text in targets.items():
-            write_bytes(target, text.encode("utf-8"), force=force)
+            write_bytes(target, text.encode("utf-8") if isinstance(text, str) else text, force=force)
         return tuple(targets)
 
 

@@ -15,9 +15,12 @@ import numpy as np
 from symrender.bridge.carried import Carried, Rays, prepare
 from symrender.bridge.moved import Triple, ball_of, caps_of, cylinder_axes, extent
 from symrender.errors import Unsupported
+from symrender.images.texels import suffix_of
 from symrender.scene.mitsuba.flats import matrix_of, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
+from symrender.scene.pictures import content, digest
 from symrender.scene.radiometric import lights
+from symrender.scene.radiometric.detail import of_vertices, turned
 from symrender.scene.radiometric.materials import (
     Checker,
     Conductor,
@@ -31,6 +34,7 @@ from symrender.scene.radiometric.materials import (
 )
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.textures import Checkerboard, Image
 
 _FACET: Final = "Mitsuba's rough materials have"
 _CLIP: Final = 0.01
@@ -69,19 +73,23 @@ def mitsuba(
     for name, material in there.materials.items():
         if name not in used or not isinstance(material.reflectance, Checker):
             body += _material(material, f' id="material-{name}"', None)
-    meshes: dict[str, str] = {}
+    meshes: dict[str, str | bytes] = {}
     shining = {light.shape: light for light in there.lights if isinstance(light, lights.Area)}
     for shape in there.shapes:
         if isinstance(shape, Triangle):
             meshes[f"{shape.name}.ply"] = _ply(shape.vertices, [(0, 1, 2)])
         if isinstance(shape, Mesh):
-            meshes[f"{shape.name}.ply"] = _ply(mesh_places(shape), shape.faces)
+            meshes[f"{shape.name}.ply"] = _mesh(shape)
         for part in (shape, *caps_of(shape)):
             area = shining.get(shape.name)
             lamp = [] if area is None else _emitter(area, area.name if part is shape else part.name)
             body += _shape(part, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
+    pictured = [there.materials[name].reflectance for name in used]
+    for held in (*pictured, *there.lights):
+        if isinstance(held, Image | lights.Environment):
+            meshes[_file_of(held)] = content(held.data)
     files = meshes | {
         "scene.xml": _document([*_integrator(scene), *sensor, *body]),
         "run.py": (resources.files("symrender.bridge") / "run_mitsuba.txt").read_text("utf-8"),
@@ -216,6 +224,18 @@ def _facets(material: Conductor | Dielectric | Plastic) -> list[str]:
 
 def _reflectance(name: str, material: Material, to_uv: tuple[float, float] | None) -> list[str]:
     reflectance = material.reflectance
+    if isinstance(reflectance, Image):
+        return _nested(f'texture type="bitmap" name="{name}"', [
+            f'<string name="filename" value="{_file_of(reflectance)}"/>',
+            f'<boolean name="raw" value="{str(reflectance.encoding == "raw").lower()}"/>',
+            f'<string name="filter_type" value="{reflectance.filter}"/>',
+            f'<string name="wrap_mode" value="{reflectance.wrap}"/>',
+            '<string name="format" value="variant"/>',
+            *_to_uv(reflectance),
+        ], "texture")  # fmt: skip
+    if isinstance(reflectance, Checkerboard):
+        inner = [_rgb("color0", reflectance.bright), _rgb("color1", reflectance.dark), *_to_uv(reflectance)]
+        return _nested(f'texture type="checkerboard" name="{name}"', inner, "texture")
     if not isinstance(reflectance, Checker):
         assert not isinstance(reflectance, Stripes | Marble)
         return [_rgb(name, reflectance.color)]
@@ -227,6 +247,22 @@ def _reflectance(name: str, material: Material, to_uv: tuple[float, float] | Non
         *_nested('transform name="to_uv"', [f'<scale x="{u!r}" y="{v!r}" z="1.0"/>'], "transform"),
     ]
     return _nested(f'texture type="checkerboard" name="{name}"', inner, "texture")
+
+
+def _to_uv(texture: Image | Checkerboard) -> list[str]:
+    """The transform of (u, v), turned, multiplied and moved in this order."""
+    (p, q), (x, y) = texture.scale, texture.offset
+    steps = [
+        f'<rotate x="0" y="0" z="1" angle="{texture.rotation!r}"/>',
+        f'<scale x="{p!r}" y="{q!r}" z="1.0"/>',
+        f'<translate x="{x!r}" y="{y!r}" z="0.0"/>',
+    ]
+    return _nested('transform name="to_uv"', steps, "transform")
+
+
+def _file_of(part: Image | lights.Environment) -> str:
+    """What an image file is called, by its content."""
+    return f"image-{digest(part.data)[:12]}{suffix_of(content(part.data))}"
 
 
 def _turns(checker: Checker) -> tuple[float, float]:
@@ -254,9 +290,36 @@ def _ply(vertices: Sequence[Triple], faces: Sequence[tuple[int, int, int]]) -> s
     return "\n".join([*head, *listed, *rows, ""])
 
 
+def _mesh(shape: Mesh) -> str:
+    """A mesh, each face with vertices of its own where these have coordinates or normals."""
+    places = mesh_places(shape)
+    smooth = shape.shading_normals == "use"
+    if not smooth and not shape.uv:
+        return _ply(places, shape.faces)
+    coordinates, normals = of_vertices([shape], len(shape.faces))
+    turn = math.radians(shape.rotation)
+    c, s = math.cos(turn), math.sin(turn)
+    columns = [np.array(places)[np.array(shape.faces)].reshape(-1, 3)]
+    names = ["x", "y", "z"]
+    if shape.uv:
+        columns, names = [*columns, coordinates.reshape(-1, 2)], [*names, "s", "t"]
+    if smooth:
+        turned = normals.reshape(-1, 3) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        # Mitsuba takes them to be of length 1
+        columns.append(turned / np.linalg.norm(turned, axis=1, keepdims=True))
+        names += ["nx", "ny", "nz"]
+    rows = np.concatenate(columns, axis=1)
+    head = ["ply", "format ascii 1.0", f"element vertex {len(rows)}", *(f"property float {name}" for name in names)]
+    lines = [" ".join(map(repr, row)) for row in rows.tolist()]
+    lines += [f"3 {k} {k + 1} {k + 2}" for k in range(0, len(rows), 3)]
+    listed = [f"element face {len(shape.faces)}", "property list uchar int vertex_index", "end_header"]
+    return "\n".join([*head, *listed, *lines, ""])
+
+
 def _finite(shape: Rectangle | Disk | Box | Triangle | Mesh) -> tuple[str, list[str]]:
     """Kind and properties of a shape with flat faces that ends."""
-    lines = [f'<string name="filename" value="{shape.name}.ply"/>', '<boolean name="face_normals" value="true"/>']
+    flat = str(not isinstance(shape, Mesh) or shape.shading_normals == "ignore").lower()
+    lines = [f'<string name="filename" value="{shape.name}.ply"/>', f'<boolean name="face_normals" value="{flat}"/>']
     if isinstance(shape, Mesh):
         return "ply", lines
     inner = [f"<!-- {said_flat(shape)} -->"]
@@ -271,6 +334,11 @@ def _shape(shape: Shape, material: Material, half: float, lamp: list[str]) -> li
     checker = material.reflectance if isinstance(material.reflectance, Checker) else None
     own = f' id="material-{shape.material}:{shape.name}"'
     if isinstance(shape, Plane):
+        if isinstance(material.reflectance, Image | Checkerboard):
+            raise Unsupported(
+                f"shapes.{shape.name}: mitsuba: has no planes, and {material.reflectance.type} on the square in its "
+                "place has other (u, v); a rectangle is written"
+            )
         matrix = " ".join(repr(x) for x in square(shape, half))
         # the point is a corner of four cells, for half a side is a whole number of pairs of them
         scales = (half / checker.cell, half / checker.cell) if checker else None
@@ -321,6 +389,23 @@ def _spot(light: lights.Spot) -> list[str]:
     ]
 
 
+def _environment(light: lights.Environment) -> list[str]:
+    where = f"lights.{light.name}"
+    if (light.layout, light.rows, light.filter) != ("latlong", "corners", "bilinear"):
+        raise Unsupported(f"{where}: Mitsuba's envmap has layout: latlong, rows: corners and filter: bilinear")
+    if len(set(light.scale)) > 1:
+        raise Unsupported(f"{where}.scale: Mitsuba's envmap has one factor of all channels, got {list(light.scale)}")
+    matrix = np.eye(4)
+    # Mitsuba's maps have y up, and their azimuth begins at -z
+    matrix[:3, :3] = turned(light) @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    rows = " ".join(repr(float(x)) for x in matrix.ravel())
+    return [
+        f'<string name="filename" value="{_file_of(light)}"/>',
+        f'<float name="scale" value="{light.scale[0]!r}"/>',
+        *_nested('transform name="to_world"', [f'<matrix value="{rows}"/>'], "transform"),
+    ]
+
+
 def _emitter(light: lights.Light, name: str = "") -> list[str]:
     match light:
         case lights.Point():
@@ -336,6 +421,8 @@ def _emitter(light: lights.Light, name: str = "") -> list[str]:
             ]
         case lights.Sky():
             kind, inner = "constant", [_rgb("radiance", light.radiance)]
+        case lights.Environment():
+            kind, inner = "envmap", _environment(light)
         case lights.Area():
             kind, inner = "area", [_rgb("radiance", light.radiance)]
         case _:

@@ -12,10 +12,12 @@ from symrender.runtimes.glimpse import plane_apart
 from symrender.scene.load import load_any
 from symrender.scene.mitsuba.flats import AGREE
 from symrender.scene.mitsuba.plane import frame_of
+from symrender.scene.pictures import picture
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.textures import Checkerboard, Image
 
 Triple = tuple[float, float, float]
 
@@ -184,7 +186,7 @@ def half_side(scene: RadiometricScene, plane: Plane, reach: float | None, seen: 
     """
     within = extent(scene, plane.point)
     reflectance = scene.materials[plane.material].reflectance
-    far = scene.bounces != 0 or any(isinstance(light, lights.Sky) for light in scene.lights)
+    far = scene.bounces != 0 or any(isinstance(light, lights.Sky | lights.Environment) for light in scene.lights)
     needed = within * reach if reach else max(FAR_REACH * within if far else 0.0, _ROOM * max(within, seen))
     needed = needed if reach else min(needed, _FARTHEST * within)
     size = math.hypot(*plane.normal)
@@ -222,6 +224,8 @@ def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
     surfaces that are not diffuse.
     """
     sky = max((max(x.radiance) for x in scene.lights if isinstance(x, lights.Sky)), default=0.0)
+    maps = (x for x in scene.lights if isinstance(x, lights.Environment))
+    sky = max([sky, *(max(x.scale) * float(picture(x.data)[0].max()) for x in maps)])
     if scene.bounces == 0 and sky == 0.0:
         return 0.0
     used = [scene.materials[shape.material] for shape in scene.shapes]
@@ -253,6 +257,8 @@ def _rises(scene: RadiometricScene, plane: Plane) -> float:
 
 def _brightest(material: Material) -> float:
     reflectance = material.reflectance
-    if isinstance(reflectance, Checker | Stripes | Marble):
+    if isinstance(reflectance, Image):
+        return 1.0
+    if isinstance(reflectance, Checker | Stripes | Marble | Checkerboard):
         return max(*reflectance.bright, *reflectance.dark)
     return max(reflectance.color)

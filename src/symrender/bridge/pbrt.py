@@ -29,10 +29,12 @@ from symrender.scene.radiometric.materials import (
     Material,
     Phong,
     Plastic,
+    Solid,
     Stripes,
 )
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.textures import Checkerboard, Image
 
 COLORS: Final = ("red", "green", "blue")
 SMOOTHEST: Final = 1e-3
@@ -69,7 +71,8 @@ def pbrt(
         for k in range(3)
     ]
     grey = colored[0] == colored[1] == colored[2]
-    files = {"scene.pbrt": colored[0]} if grey else dict(zip((f"scene.{c}.pbrt" for c in COLORS), colored, strict=True))
+    names = ["scene.pbrt"] if grey else [f"scene.{c}.pbrt" for c in COLORS]
+    files: dict[str, str | bytes] = dict(zip(names, colored, strict=False))
     if calibration:
         one = lights.Sky(type="sky", name="one", radiance=(1.0, 1.0, 1.0))
         lines = [*_head(prepared, samples), "WorldBegin", *_light(one, lambda color: repr(float(color[0])))]
@@ -87,7 +90,7 @@ def _refuse(name: str, material: Material) -> None:
     reflectance = material.reflectance
     if isinstance(material, Phong):
         raise Unsupported(f"{where}: pbrt: has no phong lobe")
-    if isinstance(reflectance, Stripes | Marble):
+    if isinstance(reflectance, Stripes | Marble | Checkerboard | Image):
         raise Unsupported(f"{where}.reflectance: pbrt: has no {reflectance.type}; checker and solid are")
     if isinstance(material, Plastic):
         raise Unsupported(f"{where}: pbrt: has a layer over a diffuse base by random walks, and no plastic as this one")
@@ -99,7 +102,7 @@ def _refuse(name: str, material: Material) -> None:
         raise Unsupported(f"{where}.masking: pbrt: {material.type}s have masking: correlated, got {material.masking}")
     if 0.0 < material.alpha < SMOOTHEST:
         raise Unsupported(f"{where}.alpha: pbrt: is a mirror below {SMOOTHEST:g}, got {material.alpha:g}")
-    if isinstance(reflectance, Checker) or set(reflectance.color) != {1.0}:
+    if not isinstance(reflectance, Solid) or set(reflectance.color) != {1.0}:
         what = "a conductor with eta and k" if isinstance(material, Conductor) else "a dielectric"
         raise Unsupported(f"{where}.reflectance: pbrt: {what} has no factor; 1 is what it can be")
     if isinstance(material, Dielectric) and set(material.transmittance) != {1.0}:
@@ -113,6 +116,8 @@ def _refuse_backs(scene: RadiometricScene) -> None:
     there. Without bounces it is enough that the eye is in front of flat shapes that end.
     """
     for shape in scene.shapes:
+        if isinstance(shape, Mesh) and shape.shading_normals == "use":
+            raise Unsupported(f"shapes.{shape.name}.shading_normals: pbrt: use is not written; ignore is")
         if scene.materials[shape.material].two_sided:
             continue
         opened = isinstance(shape, Cylinder) and not shape.caps
@@ -243,6 +248,8 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
             what += f' "point3 from" [ 0 0 0 ] "point3 to" [ {_numbers(light.direction)} ]'
         case lights.Sky():
             what = f'"infinite" {_grey("rgb", "L", channel(light.radiance))}'
+        case lights.Environment():
+            raise Unsupported(f"lights.{light.name}: pbrt: an environment is not written; Mitsuba's envmap is")
         case lights.Area():
             # on the outside alone, twosided being false
             return [f"# lights.{light.name}", f'AreaLightSource "diffuse" {_grey("rgb", "L", channel(light.radiance))}']
@@ -308,7 +315,7 @@ def _material(shape: Shape, material: Material, channel: Channel) -> list[str]:
         return [called, f'Material "{kind}" "float eta" [ {material.ior!r} ]{rough}']
     reflectance = material.reflectance
     if not isinstance(reflectance, Checker):
-        assert not isinstance(reflectance, Stripes | Marble)
+        assert isinstance(reflectance, Solid)
         return [called, f'Material "diffuse" {_grey("rgb", "reflectance", channel(reflectance.color))}']
     name = f"cells of {shape.name}"
     turns = ""

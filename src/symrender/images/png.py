@@ -16,7 +16,7 @@ from symrender.images.srgb import decode_srgb
 Array = npt.NDArray[np.float64]
 
 PREFIX: Final = "symrender."
-_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
+SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 _RGB_KINDS: Final = (2, 6)
 
 
@@ -34,7 +34,17 @@ def encode(pixels: npt.NDArray[np.uint8], meta: Mapping[str, str]) -> bytes:
 
 
 def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, str]]:
-    """Linear radiance (h, w, 3), an ``alpha`` layer where there is one, and the text chunks.
+    """Linear radiance (h, w, 3), an ``alpha`` layer where there is one, and the text chunks."""
+    radiance, alpha, text = codes(data, max_pixels)
+    layers = {"radiance": decode_srgb(radiance)}
+    if alpha is not None and (alpha < 1).any():
+        layers["alpha"] = alpha
+    meta = {key.removeprefix(PREFIX): value for key, value in text.items() if key.startswith(PREFIX)}
+    return layers, meta
+
+
+def codes(data: bytes, max_pixels: int) -> tuple[Array, Array | None, dict[str, str]]:
+    """Values (h, w, 3) in [0, 1] as they are coded, alpha (h, w) where there may be one, and the text chunks.
 
     Raises ``ImageError`` for 16-bit colour, which would be cut to 8 bits silently.
     """
@@ -56,15 +66,11 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
             text = {key: value for key, value in file.text.items() if isinstance(value, str)}
     except (OSError, ValueError, SyntaxError, EOFError, struct.error, MemoryError) as error:
         raise ImageError(f"not a readable PNG: {error}") from None
-    layers = {"radiance": decode_srgb(radiance)}
-    if alpha is not None and (alpha < 1).any():
-        layers["alpha"] = alpha
-    meta = {key.removeprefix(PREFIX): value for key, value in text.items() if key.startswith(PREFIX)}
-    return layers, meta
+    return radiance, alpha, text
 
 
 def _header(data: bytes) -> tuple[int, int, int, int]:
-    if len(data) < 26 or not data.startswith(_SIGNATURE) or data[12:16] != b"IHDR":
+    if len(data) < 26 or not data.startswith(SIGNATURE) or data[12:16] != b"IHDR":
         raise ImageError("not a readable PNG: its header is missing")
     width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
     return width, height, depth, kind

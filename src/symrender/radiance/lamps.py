@@ -8,20 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from symrender.jit.records import copied
-from symrender.radiometric.pieces import POLYGON, laid_pieces, owners
+from symrender.jit.records import chosen, copied
+from symrender.radiometric.pieces import POLYGON, laid_pieces
 from symrender.radiometric.world import camera_window
 from symrender.scene.radiometric.arrays import (
     AREA,
     CONDUCTOR,
     CYLINDER,
     DIELECTRIC,
+    ENVIRONMENT,
     EXTENDED,
     PLASTIC,
     SKY,
     SPHERE,
     RadiometricArrays,
 )
+from symrender.scene.radiometric.detail import CORNERS, EQUAL_AREA, Detail
+from symrender.scene.radiometric.records import Light
 from symrender.settings import Settings
 
 Array = npt.NDArray[np.float64]
@@ -39,13 +42,14 @@ class Balls:
 
 def lamps_of(arrays: RadiometricArrays) -> Balls:
     """Bounding spheres of what emits."""
-    pieces = laid_pieces(_bounded(arrays))
-    owner = owners(pieces)
     rows: list[tuple[Array, float, float]] = []
     for light in arrays.lights:
         if light.kind != AREA:
             continue
-        for piece in pieces[owner == int(light.emitter)]:
+        # of that shape alone: a large mesh that sends nothing is not looked at
+        own = np.arange(len(arrays.shapes)) == int(light.emitter)
+        emitter = replace(arrays, shapes=chosen(arrays.shapes, own), frames=chosen(arrays.frames, own))
+        for piece in laid_pieces(_bounded(emitter)):
             center, radius = np.array(piece.place), float(piece.radius)
             if piece.kind == POLYGON:
                 corners = np.array(piece.corners).reshape(4, 3)[: int(piece.count)]
@@ -86,12 +90,7 @@ def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, 
     move it in the image.
     """
     found = np.zeros(len(columns))
-    for light in arrays.lights:
-        if light.kind == SKY:
-            found[:] = float(light.emitted.max())
     lamps, eye = lamps_of(arrays), np.array(arrays.camera.eye)
-    if not len(lamps.radii):
-        return found
     width, height = settings.width, settings.height
     window = camera_window(arrays.camera, width, height)
     a, b = (2.0 * columns + 1.0) / width - 1.0, 1.0 - (2.0 * rows + 1.0) / height
@@ -103,8 +102,17 @@ def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, 
     # the directions of a pixel end on a plane at distance 1
     spread = np.arcsin(np.minimum(1.0, reach / sizes))
     exposure = arrays.exposure
+    for light in arrays.lights:
+        if light.kind == SKY:
+            found[:] = float(light.emitted.max())
+        if light.kind == ENVIRONMENT:
+            # a ray through the lens is turned by no more than this
+            lens = math.atan(exposure.aperture / max(float(exposure.focus), 1e-300)) if exposure.aperture else 0.0
+            found[:] = _brightest(arrays.detail, light, ways / sizes[:, None], spread + lens)
     shapes = np.linalg.norm(exposure.shapes, axis=1).max(initial=0.0) if exposure.moves else 0.0
     drift = exposure.duration * (float(np.linalg.norm(exposure.camera)) + float(shapes)) if exposure.moves else 0.0
+    if not len(lamps.radii):
+        return found
     for center, radius, radiance in zip(lamps.centers, lamps.radii, lamps.radiance, strict=True):
         away = center - eye
         far = float(np.linalg.norm(away))
@@ -112,4 +120,33 @@ def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, 
         half = math.asin(min(1.0, grown / far)) if far > grown else math.pi
         between = np.arccos(np.clip(ways @ away / (sizes * max(far, 1e-300)), -1.0, 1.0))
         found = np.where(between <= half + spread, np.maximum(found, radiance), found)
+    return found
+
+
+def _brightest(detail: Detail, light: Light, ways: Array, spread: Array) -> Array:
+    """Largest radiance of an environment within cones about N unit directions, ``spread`` (N,) wide.
+
+    Of every cone all pixels count that lie within its polar angles and azimuths, and those beside them.
+    """
+    picture = detail.pictures[int(light.emitter)]
+    wide, high, start = int(picture.wide), int(picture.high), int(picture.start)
+    image = (detail.texels[start : start + wide * high] * light.emitted).max(axis=1).reshape(high, wide)
+    if picture.grid == EQUAL_AREA:
+        return np.full(len(ways), image.max())
+    own = ways @ np.reshape(picture.turn, (3, 3)).T
+    angle = np.arctan2(np.hypot(own[:, 0], own[:, 1]), own[:, 2])
+    step = np.pi / (high - 1 if picture.grid == CORNERS else high)
+    first = np.clip(np.floor((angle - spread) / step) - 1, 0, high - 1).astype(np.int64)
+    last = np.clip(np.ceil((angle + spread) / step) + 1, 0, high - 1).astype(np.int64)
+    # a cone about neither pole spans asin(sin spread / sin angle) to both sides
+    room = np.minimum(angle, np.pi - angle)
+    share = np.sin(spread) / np.maximum(np.sin(angle), 1e-300)
+    half = np.where(spread < room, np.arcsin(np.minimum(1.0, share)), np.pi)
+    column = np.arctan2(own[:, 0], own[:, 1]) / (2.0 * np.pi) * wide - 0.5
+    reach = np.minimum(np.ceil(half / (2.0 * np.pi) * wide) + 1, wide // 2 + 1).astype(np.int64)
+    middle = np.floor(column).astype(np.int64)
+    found = np.zeros(len(ways))
+    for k in range(len(ways)):
+        columns = np.arange(middle[k] - reach[k], middle[k] + reach[k] + 2) % wide
+        found[k] = image[first[k] : last[k] + 1][:, columns].max()
     return found

@@ -159,7 +159,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     if not plan.direct:
         share = replace(settings, tol=DIRECT_SHARE * settings.tol, method="quadrature")
         closed = radiometric.prepare(replace(arrays, bounces=0), share)
-    pilot = pilot_of(settings, sampler_of(arrays, settings))
+    sampler = sampler_of(arrays, settings)
+    pilot = pilot_of(settings, sampler)
     focused = focused_radiance(arrays)
     # along one ray a pixel emission is no matter of chance
     spread = settings.filter != "centre" or is_exposed(arrays)
@@ -169,7 +170,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         place: Tile = (x0, y0, x1, y1)
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
         if not hasattr(own, "pixels"):
-            own.pixels = Pixels(sampler_of(arrays, settings), settings)
+            own.pixels = Pixels(sampler, settings)
         bright = np.tile(np.maximum(pilot.bright, focused)[:, None], (1, shape[0] * shape[1]))
         if spread:
             bright[1] += seen_radiance(arrays, settings, *places(place))

@@ -6,6 +6,7 @@ have corners of the same bits, so that a ray between them meets one of both.
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import Annotated, Any, Final
 
@@ -32,8 +33,12 @@ CORNERS: Final = 4
 """Most corners of a piece."""
 _FLAT: Final = 1e-13
 """Rise of a corner over a face, in parts of the size of a mesh, which roundings may be."""
-_AT_ONCE: Final = 256
-"""Faces that are compared with all corners together."""
+_IN_BOX: Final = 8
+"""Corners of the smallest boxes."""
+_DEEP: Final = 64
+"""Boxes that wait to be looked at: two a halving."""
+_BITS: Final = 20
+"""Bits of a coordinate that order places."""
 
 
 class Piece(Record):
@@ -112,12 +117,72 @@ def _enclose(pieces: Table[Piece], own: Ints, body: float) -> None:
 
 
 def _is_convex(ups: Array, levels: Array, places: Array, reach: float) -> bool:
-    """Whether no place rises over any of the planes."""
-    for k in range(0, len(ups), _AT_ONCE):
-        part = slice(k, k + _AT_ONCE)
-        if (ups[part] @ places.T - levels[part, None]).max() > _FLAT * reach:
-            return False
-    return True
+    """Whether no place rises over any of the planes.
+
+    Places are halved over and over into boxes, and a plane is compared with those alone that may rise over it: of a
+    convex mesh they are few about each face.
+    """
+    depth = max(0, math.ceil(math.log2(len(places) / _IN_BOX)))
+    # the last place is repeated, so that all boxes of a row of the tree hold as many
+    order = _by_place(places)[np.minimum(np.arange(_IN_BOX << depth), len(places) - 1)]
+    filled = np.ascontiguousarray(places[order])
+    low = high = filled.reshape(-1, _IN_BOX, 3)
+    boxes = [np.concatenate([low.min(axis=1), high.max(axis=1)], axis=1)]
+    while len(boxes[-1]) > 1:
+        low, high = boxes[-1][:, :3].reshape(-1, 2, 3), boxes[-1][:, 3:].reshape(-1, 2, 3)
+        boxes.append(np.concatenate([low.min(axis=1), high.max(axis=1)], axis=1))
+    # node k has the children 2 k + 1 and 2 k + 2
+    tree = np.concatenate(boxes[::-1])
+    return not _rising_kernel()(ups, levels, tree, filled, _FLAT * reach, np.zeros(_DEEP, np.int64))
+
+
+@lru_cache(maxsize=1)
+def _rising_kernel() -> Any:
+    return compiled(rises_over, _nrt=False)
+
+
+@inlined
+def height(up: Array, x: float, y: float, z: float) -> float:
+    """Height of a place along a normal."""
+    found: float = up[0] * x + up[1] * y + up[2] * z
+    return found
+
+
+def rises_over(ups: Array, levels: Array, tree: Array, places: Array, most: float, stack: Ints) -> bool:
+    """Whether one of ``places`` rises over a plane by more than ``most``; ``tree`` holds the boxes about them."""
+    inner = tree.shape[0] // 2
+    for i in range(ups.shape[0]):
+        up, level = ups[i], levels[i]
+        stack[0], waiting = 0, 1
+        while waiting > 0:
+            waiting -= 1
+            k, box = stack[waiting], tree[stack[waiting]]
+            # the corner farthest along the normal; roundings are far below a quarter of ``most``
+            x = box[3] if up[0] > 0.0 else box[0]
+            y = box[4] if up[1] > 0.0 else box[1]
+            z = box[5] if up[2] > 0.0 else box[2]
+            if height(up, x, y, z) - level <= 0.75 * most:
+                continue
+            if k < inner:
+                stack[waiting], stack[waiting + 1] = 2 * k + 1, 2 * k + 2
+                waiting += 2
+                continue
+            for j in range(_IN_BOX * (k - inner), _IN_BOX * (k - inner + 1)):
+                if height(up, places[j, 0], places[j, 1], places[j, 2]) - level > most:
+                    return True
+    return False
+
+
+def _by_place(places: Array) -> Ints:
+    """An order in which near places follow each other: along the curve of the bits of their coordinates (Z order)."""
+    low = places.min(axis=0)
+    wide = max(float((places.max(axis=0) - low).max()), 1e-300)
+    cells = ((places - low) / wide * (2**_BITS - 1)).astype(np.int64)
+    codes = np.zeros(len(places), np.int64)
+    for bit in range(_BITS):
+        for axis in range(3):
+            codes |= (cells[:, axis] >> bit & 1) << (3 * bit + axis)
+    return np.argsort(codes, kind="stable")
 
 
 def _join(pieces: Table[Piece]) -> None:

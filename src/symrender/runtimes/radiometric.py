@@ -37,7 +37,7 @@ from symrender.scene.radiometric.arrays import ALL, AREA, CONDUCTOR, DIFFUSE, EX
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
 from symrender.scene.radiometric.bumped import bumped, refuse_bumps
 from symrender.scene.radiometric.cut import cut_reason
-from symrender.scene.radiometric.due import refuse_bounces, refuse_sampled
+from symrender.scene.radiometric.due import refuse_bounces, refuse_detail, refuse_sampled
 from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
 from symrender.scene.undecided import one_but_for_roundings, one_surface
 from symrender.settings import BUDGET, Settings
@@ -249,6 +249,7 @@ def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
 def check(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
     refuse_sampled(arrays)
+    refuse_detail(arrays)
     if 1 < arrays.bounces < ALL:
         raise Unsupported(
             f"bounces: {arrays.bounces} is not integrated by quadrature: 0, 1 and all are; paths sample any"

@@ -4,21 +4,32 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any
+from typing import Any, Final
 
+from symrender.scene.pictures import KINDS, digest
 from symrender.scene.values import Part
+
+_OF_VERTICES: Final = ("uv", "uv_faces", "normals", "normal_faces")
+"""Fields of a mesh that are empty where its file says nothing of them."""
+_CORNERS: Final = ("faces", "uv_faces", "normal_faces")
+_NUMBERS: Final = ("vertices", *_CORNERS, "uv", "normals")
+"""Fields of a mesh that hold numbers alone."""
 
 
 def _canonical(value: Any) -> Any:
     if isinstance(value, float):
         return (value + 0.0).hex()  # -0.0 + 0.0 is 0.0
     if isinstance(value, dict):
-        return {key: _canonical(entry) for key, entry in value.items()}
+        # millions of whole numbers are as they are
+        return {key: entry if key in _CORNERS else _canonical(entry) for key, entry in value.items()}
     return [_canonical(entry) for entry in value] if isinstance(value, tuple) else value
 
 
 def _said(value: Any) -> Any:
-    """``value`` without notes, and without lens, motion, shutter and bumps where they are none."""
+    """``value`` without notes, and without what is not there: lens, motion, bumps, coordinates and normals of vertices.
+
+    An image file is its SHA-256.
+    """
     if isinstance(value, tuple):
         return tuple(map(_said, value))
     if not isinstance(value, dict):
@@ -26,8 +37,11 @@ def _said(value: Any) -> Any:
     sharp = value.get("aperture") == 0.0
     still = {name for name in ("velocity", "shutter") if name in value and not any(value[name])}
     flat = {"bump"} if value.get("bump", 0) is None else set()
-    left = {"notes"} | still | flat | ({"aperture", "focus"} if sharp else set())
-    return {key: _said(entry) for key, entry in value.items() if key not in left}
+    bare = {name for name in _OF_VERTICES if value.get(name) == ()}
+    bare |= {"shading_normals"} if value.get("shading_normals") == "ignore" else set()
+    left = {"notes"} | still | flat | bare | ({"aperture", "focus"} if sharp else set())
+    said = {key: entry if key in _NUMBERS else _said(entry) for key, entry in value.items() if key not in left}
+    return said | {"data": digest(value["data"])} if value.get("type") in KINDS else said
 
 
 def canonical(scene: Part) -> str:

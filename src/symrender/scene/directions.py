@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from symrender.limits import MIN_LENGTH
 
-_PARALLEL: Final = 1e-12
+PARALLEL: Final = 1e-12
 """Sine of the angle below which two directions span no plane in double precision."""
 
 Triple = tuple[float, float, float]
@@ -36,7 +36,7 @@ def along(v: Triple, w: Triple) -> bool:
     """Whether ``v`` and ``w`` lie on one line; none of the two is zero."""
     ax, ay, az = _unit(v)
     bx, by, bz = _unit(w)
-    return math.hypot(*cross((ax, ay, az), (bx, by, bz))) < _PARALLEL
+    return math.hypot(*cross((ax, ay, az), (bx, by, bz))) < PARALLEL
 
 
 def collinear(a: Triple, b: Triple, c: Triple) -> bool:

@@ -17,6 +17,7 @@ from symrender.scene.nearest import did_you_mean
 from symrender.scene.parse_json import parse_json
 from symrender.scene.parse_toml import parse_toml
 from symrender.scene.parse_yaml import parse_yaml
+from symrender.scene.pictures import with_pictures
 from symrender.scene.plain import plain
 from symrender.scene.printable import printable, shown
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -97,6 +98,9 @@ def _scene_of(document: Document, opener: Opener) -> AnyScene:
         data = {key: value for key, value in document.data.items() if key != "units"}
         document = dataclasses.replace(document, data=data)
     document, problems = with_meshes(document, opener)
+    if root is RadiometricScene:
+        document, others = with_pictures(document, opener)
+        problems += others
     if problems:
         raise failure(document, problems)
     return validated(root, document)

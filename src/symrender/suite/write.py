@@ -113,7 +113,10 @@ def entry(name: str, *, size: int | tuple[int, int] = 32, tol: float = 1e-8, thr
             exports[renderer] = f"refused: {refused}"
             continue
         exports[renderer] = f"{folder}/{renderer}"
-        files |= {f"{renderer}/{file}": text.encode("utf-8") for file, text in made.files.items()}
+        files |= {
+            f"{renderer}/{file}": text.encode("utf-8") if isinstance(text, str) else text
+            for file, text in made.files.items()
+        }
     status = image.layers["status"]
     told = {
         "folder": folder,

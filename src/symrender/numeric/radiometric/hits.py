@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.radiometric.meshes import face_normal, face_place, passes_by, sides
-from symrender.numeric.radiometric.shapes.corners import edges_distance
+from symrender.numeric.radiometric.hierarchy import first_blade
+from symrender.numeric.radiometric.meshes import face_normal, face_place
 from symrender.numeric.radiometric.shapes.dispatch import distance_to, place_at, texture_place
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.vectors import Vector, along, dot, minus, triple
@@ -33,29 +33,13 @@ class Hit(NamedTuple):
 
 
 @jitable
-def nearest_face(world: World, origin: Vector, d: Vector, left: int) -> tuple[int, int, float]:
-    """(mesh, face, distance) of the face that a unit ray meets first, not of the face ``left``; -1, -1, inf if none."""
-    own, best, distance = -1, -1, math.inf
-    for g in range(world.groups.shape[0]):
-        group = world.groups[g]
-        if passes_by(group, origin, d, distance):
-            continue
-        for k in range(int(group.begin), int(group.stop)):
-            if k == left:
-                continue
-            reach = edges_distance(*sides(world.faces[k]), False, origin, d)
-            if reach < distance:
-                own, best, distance = int(group.owner), k, reach
-    return own, best, distance
-
-
-@jitable
 def first_hit(world: World, origin: Vector, d: Vector, left: int, face: int, inside: bool) -> Hit:
     """What the unit ray meets first; shape ``left``, which it starts from, only from its ``inside``.
 
     Of a mesh it starts from a ``face``, which it does not meet again.
     """
-    best, part, distance = nearest_face(world, origin, d, face)
+    part, distance = first_blade(world.blades, world.nodes, world.grid, world.stack, origin, d, face)
+    best = int(world.faces[part].owner) if part >= 0 else -1
     far = False
     for j in range(world.shapes.shape[0]):
         reach, met, within = distance_to(world.shapes[j], world.frames[j], origin, d, j == left, face, inside)

@@ -1,4 +1,4 @@
-"""Meshes: their triangles in the world, in groups that a ray passes by or not, and where a ray meets one."""
+"""Meshes: their triangles in the world, their normals and the places of their textures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.marks import jitable
-from symrender.jit.records import Record, Table, Three, flat, table
+from symrender.jit.records import Record, Table, flat, table
+from symrender.numeric.radiometric.hierarchy import STACK, Blade, Pairs, laid_hierarchy
+from symrender.numeric.radiometric.shapes.corners import edge_shares
 from symrender.numeric.vectors import Vector, cross, dot, minus, unit
 from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import MESH, RadiometricArrays
@@ -17,73 +19,62 @@ from symrender.scene.radiometric.arrays import MESH, RadiometricArrays
 Ints = npt.NDArray[np.int64]
 
 _GROUP: Final = 16
-"""About how many triangles make a group."""
-_LOOSE: Final = 1.0 + 1e-6
-_FAR: Final = 1e-9
-"""How much wider groups are taken to be than they are, by their size and by their distance."""
+"""Faces that follow each other in the order of their file."""
+_SORTED: Final = 100_000
+"""Most faces of a mesh that are put in an order of places, which takes 20 s for 10^6; the hierarchy needs none."""
 
 
 class Face(Record):
-    """A triangle in the world, three numbers a corner."""
+    """A triangle in the world, three numbers a corner, of the shape ``owner``."""
 
     corners: Annotated[Array, 9]
-
-
-class Group(Record):
-    """Faces from ``begin`` to ``stop`` of the mesh ``owner``, all within ``radius`` of ``center``."""
-
-    center: Three
-    radius: float
-    begin: float
-    stop: float
     owner: float
 
 
-def laid_meshes(arrays: RadiometricArrays) -> tuple[Table[Face], Table[Group]]:
-    """The faces of all meshes, those near each other one after another, and their groups."""
-    corners, bundles = [np.zeros((0, 3, 3))], list[tuple[Array, float, int, int, int]]()
-    count = 0
+def laid_meshes(arrays: RadiometricArrays) -> tuple[Table[Face], Table[Blade], Pairs, Array, Array, Array, Array]:
+    """The faces of all meshes, their hierarchy, what a walk notes, and coordinates and normals of their corners."""
+    count = len(arrays.facets)
+    faces, placed, order = table(Face, count), np.zeros((count, 3, 3)), np.zeros(count, np.int64)
+    normals = arrays.detail.normals
+    turned = np.zeros_like(normals)
     for j, shape in enumerate(arrays.shapes):
         if shape.kind != MESH:
             continue
-        own = flat(arrays.facets)[int(shape.start) : int(shape.start + shape.faces)].reshape(-1, 3)
+        here = slice(int(shape.start), int(shape.start + shape.faces))
         turn = math.radians(float(shape.rotation))
         rows = np.array(
             [[math.cos(turn), -math.sin(turn), 0.0], [math.sin(turn), math.cos(turn), 0.0], [0.0, 0.0, 1.0]]
         )
-        placed = (shape.radius * (own @ rows.T) + shape.place).reshape(-1, 3, 3)
-        for members in _bundled(placed.mean(axis=1), np.arange(len(placed), dtype=np.int64)):
-            near = placed[members].reshape(-1, 3)
-            middle = near.mean(axis=0)
-            radius = float(np.sqrt(((near - middle) ** 2).sum(axis=1)).max())
-            bundles.append((middle, radius, count, count + len(members), j))
-            corners.append(placed[members])
-            count += len(members)
-    faces, groups = table(Face, count), table(Group, len(bundles))
-    flat(faces)[:] = np.concatenate(corners).reshape(-1, 9)
-    for group, (middle, radius, begin, stop, owner) in zip(groups, bundles, strict=True):
-        group.center[:], group.radius = middle, radius
-        group.begin, group.stop, group.owner = begin, stop, owner
-    return faces, groups
+        own = flat(arrays.facets)[here].reshape(-1, 3)
+        there = (shape.radius * (own @ rows.T) + shape.place).reshape(-1, 3, 3)
+        near = _by_place(there.mean(axis=1))
+        placed[here], order[here] = there[near], here.start + near
+        flat(faces)[here, 9] = j
+        if len(normals):
+            turned[here] = (normals[order[here]].reshape(-1, 3) @ rows.T).reshape(-1, 9)
+    flat(faces)[:, :9] = placed.reshape(-1, 9)
+    coordinates = arrays.detail.coordinates
+    return (
+        faces, *laid_hierarchy(placed), np.zeros((STACK, 3)),
+        coordinates[order] if len(coordinates) else coordinates, turned,
+    )  # fmt: skip
 
 
-def _bundled(places: Array, own: Ints) -> list[Ints]:
-    """``own`` in parts of near places, halved across the axis along which they reach farthest."""
-    if len(own) <= _GROUP:
-        return [own]
-    axis = int(np.argmax(np.ptp(places[own], axis=0)))
-    order = own[np.argsort(places[own, axis], kind="stable")]
-    half = len(order) // 2
-    return [*_bundled(places, order[:half]), *_bundled(places, order[half:])]
-
-
-@jitable
-def passes_by(group: Group, origin: Vector, d: Vector, limit: float) -> bool:
-    """Whether a unit ray meets no face of a group before ``limit``."""
-    f = (group.center[0] - origin[0], group.center[1] - origin[1], group.center[2] - origin[2])
-    ahead, off = dot(f, d), cross(f, d)
-    wide = group.radius * _LOOSE + _FAR * (abs(f[0]) + abs(f[1]) + abs(f[2]))
-    return bool(dot(off, off) > wide * wide or ahead < -wide or ahead > limit + wide)
+def _by_place(places: Array) -> Ints:
+    """The order of faces in which near ones follow each other: halved over and over across the longest axis."""
+    if len(places) > _SORTED:
+        return np.arange(len(places), dtype=np.int64)
+    parts, found = [np.arange(len(places), dtype=np.int64)], list[Ints]()
+    while parts:
+        own = parts.pop()
+        if len(own) <= _GROUP:
+            found.append(own)
+            continue
+        axis = int(np.argmax(np.ptp(places[own], axis=0)))
+        order = own[np.argsort(places[own, axis], kind="stable")]
+        half = len(order) // 2
+        parts += [order[half:], order[:half]]
+    return np.concatenate(found)
 
 
 @jitable
@@ -108,3 +99,17 @@ def face_place(face: Face, place: Vector) -> tuple[float, float]:
     x = unit(u)
     offset = minus(place, a)
     return dot(offset, x), dot(offset, cross(unit(cross(x, unit(v))), x))
+
+
+@jitable
+def smooth_normal(face: Face, normals: Array, place: Vector, facing: Vector) -> Vector:
+    """Unit normal between those of the corners of a face, ``facing`` where they are zero."""
+    corner, u, v = sides(face)
+    a, b = edge_shares(corner, u, v, place)
+    c = 1.0 - a - b
+    n = (
+        c * normals[0] + a * normals[3] + b * normals[6],
+        c * normals[1] + a * normals[4] + b * normals[7],
+        c * normals[2] + a * normals[5] + b * normals[8],
+    )
+    return unit(n) if dot(n, n) > 0.0 else facing

@@ -9,25 +9,28 @@ from symrender.jit.marks import inlined, jitable
 from symrender.numeric.radiometric.bsdfs.dispatch import asks_for_three, choose, density, scattered, widening
 from symrender.numeric.radiometric.bumps import raised_normal
 from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
-from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
+from symrender.numeric.radiometric.environment import beyond, sky_chance, sky_way
+from symrender.numeric.radiometric.hits import Hit, first_hit, reaches
+from symrender.numeric.radiometric.meshes import smooth_normal
+from symrender.numeric.radiometric.pictures import painted
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, triple, unit
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, MESH, SKY, SPOT
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, ENVIRONMENT, MESH, SKY, SPOT
 from symrender.scene.radiometric.records import Light, Material
 
 ROULETTE: Final = 3
 """Reflections after which a path may end by chance."""
 _MOST_KEPT: Final = 0.95
-_UNIFORM: Final = 1.0 / (2.0 * math.pi)
 _DEGREE: Final = math.pi / 180.0
 
 
 class Surface(NamedTuple):
     """A hit that reflects: its normal towards the ray, two directions across it, its albedo, the eye in its frame.
 
-    ``normal`` is that by which it reflects, ``facing`` that of the shape, the same without a bump.
+    ``normal`` is that by which it reflects, ``facing`` that of the shape, the same without a bump and normals of
+    vertices.
     """
 
     hit: Hit
@@ -54,10 +57,15 @@ def surface(world: World, hit: Hit, d: Vector) -> Surface:
     if world.materials[int(world.shapes[hit.own].material)].terms != 0.0:
         o = raised_normal(world, hit)
         n = (-o[0], -o[1], -o[2]) if hit.behind else o
+    elif hit.face >= 0 and world.normals.shape[0] > 0:
+        # as Mitsuba does: the side is that of this normal, and light is not cut at the horizon of the face
+        n = smooth_normal(world.faces[hit.face], world.normals[hit.face], hit.place, n)
+        if dot(n, d) > 0.0 and world.materials[int(world.shapes[hit.own].material)].two_sided != 0.0:
+            n = (-n[0], -n[1], -n[2])
     first = unit(cross(n, (0.0, 0.0, 1.0) if abs(n[2]) < 0.7 else (1.0, 0.0, 0.0)))
     second = cross(n, first)
     wo = (-dot(d, first), -dot(d, second), -dot(d, n))
-    return Surface(hit, facing, n, first, second, albedo(world, hit), wo)
+    return Surface(hit, facing, n, first, second, painted(world, hit), wo)
 
 
 @inlined
@@ -136,7 +144,7 @@ def from_points(world: World, at: Surface) -> Vector:
     material = world.materials[int(world.shapes[at.hit.own].material)]
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
-        if light.kind == SKY or light.kind == AREA:
+        if light.kind == SKY or light.kind == AREA or light.kind == ENVIRONMENT:
             continue
         if light.kind == DIRECTIONAL:
             toward = (-light.place[0], -light.place[1], -light.place[2])
@@ -156,19 +164,23 @@ def from_points(world: World, at: Surface) -> Vector:
 
 @jitable
 def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
-    """Reflected light of a sky by a uniform direction, weighted against those the material chooses."""
+    """Reflected light of a sky by a direction of its own choice, weighted against those the material chooses."""
     material = world.materials[int(world.shapes[at.hit.own].material)]
-    r = math.sqrt(max(0.0, 1.0 - a * a))
-    wi = (r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b), a)
-    share = leaving(material, at, outside(at, wi), wi)
-    if max(share[0], share[1], share[2]) <= 0.0 or not reaches(world, at.hit, outside(at, wi), math.inf, at.hit.behind):
+    if world.lights[world.sky].kind == SKY:
+        r = math.sqrt(max(0.0, 1.0 - a * a))
+        wi = (r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b), a)
+        d = outside(at, wi)
+    else:
+        d = sky_way(world, a, b)
+        wi = local(at, d)
+    share, chance = leaving(material, at, d, wi), sky_chance(world, d)
+    if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
+        return (0.0, 0.0, 0.0)
+    if not reaches(world, at.hit, d, math.inf, goes_inside(at, wi)):
         return (0.0, 0.0, 0.0)
     # balance heuristic: 1/(own density + the other's)
-    return scaled(
-        share,
-        triple(world.lights[world.sky].emitted),
-        1.0 / (_UNIFORM + density(material, at.hit.behind, at.reflectance, at.wo, wi)),
-    )
+    own = density(material, at.hit.behind, at.reflectance, at.wo, wi)
+    return scaled(share, beyond(world, d), 1.0 / (chance + own))
 
 
 @jitable
@@ -244,8 +256,10 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
         spent += 1
         if hit.own < 0:
             if world.sky >= 0:
-                weight = 1.0 / (chance + _UNIFORM) if shared and wi[2] > 0.0 else 1.0 / chance
-                light = scaled(scaled(through, share, weight), triple(world.lights[world.sky].emitted), 1.0)
+                # a uniform sky is asked for directions above the surface alone
+                above = wi[2] > 0.0 or world.lights[world.sky].kind == ENVIRONMENT
+                weight = 1.0 / (chance + (sky_chance(world, d) if shared and above else 0.0))
+                light = scaled(scaled(through, share, weight), beyond(world, d), 1.0)
                 direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
             break
         light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, d, chance, shared), 1.0)

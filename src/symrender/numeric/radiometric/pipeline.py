@@ -60,7 +60,7 @@ def sampler_of(arrays: RadiometricArrays, settings: Settings, name: str = "jitte
 
     def sample(tile_: tuple[int, int, int, int], order: int, seed: int, layers: Mapping[str, Array]) -> int:
         if not hasattr(own, "shot"):
-            own.world = world._replace(notes=fresh_notes())
+            own.world = world._replace(notes=fresh_notes(), stack=np.zeros_like(world.stack))
             own.shot = make_shot(arrays, own.world, settings)
         size = settings.width, settings.height
         filled = (layers[layer] for layer in _FILLED)

@@ -7,6 +7,7 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.numeric.filters import CENTRE, tap
 from symrender.numeric.radiometric.emitters import shining
+from symrender.numeric.radiometric.environment import beyond
 from symrender.numeric.radiometric.hits import first_hit
 from symrender.numeric.radiometric.path import from_points, path, plus, scaled, shows, surface
 from symrender.numeric.radiometric.shot import Shot, lens_place, lens_ray, put_moved
@@ -14,7 +15,7 @@ from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import window_direction
 from symrender.numeric.samplers import INDEPENDENT
-from symrender.numeric.vectors import Vector, triple, unit
+from symrender.numeric.vectors import Vector, unit
 from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import FIRST_SHAPE
 
@@ -34,7 +35,7 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
     black = (0.0, 0.0, 0.0)
     hit = first_hit(world, eye, d, -1, -1, False)
     if hit.own < 0:
-        return 0, triple(world.lights[world.sky].emitted) if world.sky >= 0 else black, black, black, 1
+        return 0, beyond(world, d), black, black, 1
     emitted = shining(world, hit)
     if not shows(world, hit):
         return FIRST_SHAPE + hit.own, emitted, black, black, 1
@@ -105,7 +106,7 @@ def spread_out(
         share = (weight, weight, weight)
         if hit.own < 0:
             if world.sky >= 0:
-                emitted = plus(emitted, scaled(triple(world.lights[world.sky].emitted), share, 1.0))
+                emitted = plus(emitted, scaled(beyond(world, d), share, 1.0))
             continue
         emitted = plus(emitted, scaled(shining(here, hit), share, 1.0))
         if not shows(here, hit):

@@ -9,9 +9,12 @@ import numpy as np
 from symrender.jit.records import Table
 from symrender.limits import MAX_TERMS
 from symrender.numeric.radiometric.bsdfs.dispatch import laid_materials
-from symrender.numeric.radiometric.meshes import Face, Group, laid_meshes
+from symrender.numeric.radiometric.hierarchy import Blade, Pairs
+from symrender.numeric.radiometric.maps import sky_tables
+from symrender.numeric.radiometric.meshes import Face, laid_meshes
 from symrender.scene.arrays import Array
-from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import ENVIRONMENT, EXTENDED, SKY, RadiometricArrays
+from symrender.scene.radiometric.detail import Picture
 from symrender.scene.radiometric.records import Light, Material, Shape, Term
 from symrender.scene.records import Frame
 
@@ -19,7 +22,11 @@ from symrender.scene.records import Frame
 class World(NamedTuple):
     """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane or a disk.
 
-    ``faces`` are those of meshes, in ``groups``.
+    ``faces`` are those of meshes, ``blades`` the same in the order of the hierarchy ``nodes``, whose boxes are
+    in steps of ``grid``; ``stack`` is what a
+    thread notes of a walk through it. Row k of ``coordinates`` and of ``normals``, where they have any, is of face k.
+    ``pictures`` are of the images whose pixels are ``texels``; ``sky_rows`` and ``sky_columns`` are the sums by which
+    directions of an environment are chosen.
 
     ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
     a sphere, which a direction may meet; ``bounces`` how many reflections follow the
@@ -33,7 +40,16 @@ class World(NamedTuple):
     shapes: Table[Shape]
     frames: Table[Frame]
     faces: Table[Face]
-    groups: Table[Group]
+    blades: Table[Blade]
+    nodes: Pairs
+    grid: Array
+    stack: Array
+    coordinates: Array
+    normals: Array
+    pictures: Table[Picture]
+    texels: Array
+    sky_rows: Array
+    sky_columns: Array
     lights: Table[Light]
     sky: int
     extended: bool
@@ -48,11 +64,14 @@ def fresh_notes() -> Array:
 
 def make_world(arrays: RadiometricArrays) -> World:
     """World of a scene."""
-    skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
-    extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
+    skies = [index for index, light in enumerate(arrays.lights) if light.kind in (SKY, ENVIRONMENT)]
+    extended = any(light.kind in EXTENDED for light in arrays.lights)
     sky = skies[0] if skies else -1
-    meshes = laid_meshes(arrays)
+    detail, tables = arrays.detail, (np.zeros(1), np.zeros((0, 1)))
+    if skies and arrays.lights[sky].kind == ENVIRONMENT:
+        tables = sky_tables(detail.pictures[int(arrays.lights[sky].emitter)], detail.texels)
     return World(
-        laid_materials(arrays.materials), arrays.terms, fresh_notes(), arrays.shapes, arrays.frames, *meshes,
-        arrays.lights, sky, extended, arrays.bounces, arrays.first_gloss,
+        laid_materials(arrays.materials), arrays.terms, fresh_notes(), arrays.shapes, arrays.frames,
+        *laid_meshes(arrays), detail.pictures, detail.texels, *tables, arrays.lights, sky, extended, arrays.bounces,
+        arrays.first_gloss,
     )  # fmt: skip

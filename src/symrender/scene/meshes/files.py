@@ -27,8 +27,11 @@ def beside(path: str) -> Opener:
     return lambda name, most: read_bytes(str(folder / name), most)
 
 
-def read_mesh(name: str, opener: Opener) -> dict[str, Any]:
-    """Vertices, faces and notes of the file ``name``; SceneError names it and where in it the fault is."""
+def read_mesh(name: str, opener: Opener, smooth: bool = False) -> dict[str, Any]:
+    """Vertices, faces, coordinates and notes of the file ``name``, and its normals if the mesh is ``smooth``.
+
+    SceneError names it and where in it the fault is.
+    """
     origin = printable(name, _SHOWN)
     suffix = PurePath(name).suffix.lower()
     if suffix not in (".obj", ".ply"):
@@ -37,7 +40,7 @@ def read_mesh(name: str, opener: Opener) -> dict[str, Any]:
     if len(data) > MAX_MESH_BYTES:
         raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes")
     try:
-        fields = (read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))).fields()
+        fields = (read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))).fields(smooth)
     except BadMesh as error:
         mark = "" if str(error)[:1].isdigit() else " "
         raise SceneError(f"{origin}:{mark}{error}") from None
@@ -73,7 +76,7 @@ def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Prob
             problems.append(Problem(path, "a mesh has a file, or vertices and faces, got both"))
         else:
             try:
-                changed[index] = rest | read_mesh(name, opener)
+                changed[index] = rest | read_mesh(name, opener, rest.get("shading_normals") == "use")
             except SceneError as error:
                 problems.append(Problem(path, str(error)))
     read = {**data, "shapes": changed}

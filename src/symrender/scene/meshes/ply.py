@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import codecs
 import io
-import math
 import re
+import tempfile
 import warnings
 from typing import Any, Final
 
 from symrender.errors import SceneError, remedy
 from symrender.limits import MAX_TRIANGLES
-from symrender.scene.meshes.net import NO_NORMALS, BadMesh, Net
+from symrender.scene.meshes.net import BadMesh, Net
 from symrender.scene.printable import printable
 
 _HEADER: Final = 1 << 16
@@ -21,7 +21,11 @@ _COUNT: Final = re.compile(r"[0-9]{1,9}")
 _FORMATS: Final = ("ascii", "binary_little_endian", "binary_big_endian")
 _TYPES: Final = re.compile("u?(?:char|short|int|int8|int16|int32)|float|double|float32|float64")
 _AXES: Final = ("x", "y", "z")
-_NORMAL: Final = {"nx", "ny", "nz"}
+_NORMAL: Final = ("nx", "ny", "nz")
+_COORDINATES: Final = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
+"""Names of texture coordinates; as in Mitsuba they are those of an image whose rows go down."""
+_LARGE: Final = 1 << 20
+"""Bytes from which on a file is read at once where that can be done."""
 _LISTS: Final = ("vertex_indices", "vertex_index")
 
 
@@ -37,7 +41,7 @@ def read_ply(data: bytes) -> Net:
             # what it only warns of, rows without numbers, is no mesh either; a face without corners is told by its row
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-            file = plyfile.PlyData.read(io.BytesIO(header + body))
+            file = _of_triangles(plyfile, header, body) or plyfile.PlyData.read(io.BytesIO(header + body))
     except plyfile.PlyParseError as error:
         raise BadMesh(printable(str(error), 200)) from None
     except (ValueError, TypeError, OverflowError, Warning) as error:
@@ -51,9 +55,25 @@ def read_ply(data: bytes) -> Net:
     _put_faces(net, elements["face"])
     if not net.polygons:
         raise BadMesh("element 'face': must have a row, got none")
-    if {each.name for each in elements["vertex"].properties} >= _NORMAL:
-        net.notes.append(NO_NORMALS)
     return net
+
+
+def _of_triangles(plyfile: Any, header: bytes, body: bytes) -> Any:
+    """What plyfile reads of a large binary file if all its faces are triangles, else None.
+
+    It takes rows of one length from a file alone, and other rows one by one, which takes 15 s for 10^6 of them.
+    """
+    if len(body) < _LARGE or b"\nformat ascii" in header:
+        return None
+    with tempfile.TemporaryFile() as file:
+        file.write(header + body)
+        for name in _LISTS:
+            file.seek(0)
+            try:
+                return plyfile.PlyData.read(file, known_list_len={"face": {name: 3}})
+            except (plyfile.PlyParseError, ValueError):
+                continue
+    return None
 
 
 def _parted(data: bytes) -> tuple[bytes, bytes]:
@@ -125,21 +145,43 @@ def _put_vertices(net: Net, element: Any) -> None:
     missing = [axis for axis in _AXES if axis not in names]
     if missing:
         raise BadMesh(f"element 'vertex': must have a property '{missing[0]}'")
-    columns = [element.data[axis] for axis in _AXES]
+    if len(element.data) > MAX_TRIANGLES:
+        raise BadMesh(f"element 'vertex': a mesh may have at most {MAX_TRIANGLES} vertices")
+    net.vertices = _columns(element, _AXES)
+    coordinates = next((pair for pair in _COORDINATES if {*pair} <= {*names}), None)
+    if coordinates:
+        net.uv = _columns(element, coordinates)
+    if {*_NORMAL} <= {*names}:
+        net.normals = _columns(element, _NORMAL)
+
+
+def _columns(element: Any, names: tuple[str, ...]) -> list[list[float]]:
+    """Numbers of an element's rows."""
+    import numpy as np
+
+    columns = [element.data[name] for name in names]
     if any(column.dtype.kind not in "fiu" for column in columns):
-        raise BadMesh("element 'vertex': x, y and z must be numbers, not lists")
-    for row in range(len(columns[0])):
-        place = [float(column[row]) for column in columns]
-        if not all(map(math.isfinite, place)):
-            raise BadMesh(f"element 'vertex': row {row}: must be finite numbers, got {place}")
-        net.put_vertex(place, f"element 'vertex': row {row}")
+        raise BadMesh(f"element 'vertex': {', '.join(names[:-1])} and {names[-1]} must be numbers, not lists")
+    rows = np.stack([column.astype(np.float64) for column in columns], axis=1)
+    wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if len(wrong):
+        row = int(wrong[0])
+        raise BadMesh(f"element 'vertex': row {row}: must be finite numbers, got {rows[row].tolist()}")
+    found: list[list[float]] = rows.tolist()
+    return found
 
 
 def _put_faces(net: Net, element: Any) -> None:
     name = next((each.name for each in element.properties if each.name in _LISTS), None)
     if name is None:
         raise BadMesh(f"element 'face': must have a property '{_LISTS[0]}'")
-    for row, listed in enumerate(element.data[name]):
+    rows = element.data[name]
+    # of one length each; what is wrong is told below
+    if rows.ndim == 2 and rows.min() >= 0 and rows.max() < len(net.vertices):
+        for row, face in enumerate(rows.tolist()):
+            net.put_face(face, f"element 'face': row {row}")
+        return
+    for row, listed in enumerate(rows):
         where = f"element 'face': row {row}"
         if getattr(listed, "dtype", None) is None or listed.ndim != 1 or (listed % 1 != 0).any():
             raise BadMesh(f"{where}: property '{name}': must be a list of whole numbers")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIP
 from symrender.scene.formula import Step, steps_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
+from symrender.scene.radiometric.detail import Detail, Gallery
 from symrender.scene.radiometric.exposure import Exposure, exposure_of
 from symrender.scene.radiometric.materials import (
     Checker,
@@ -29,6 +30,7 @@ from symrender.scene.radiometric.materials import Material as MaterialPart
 from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Shape as ShapePart
+from symrender.scene.radiometric.textures import Checkerboard, Image
 from symrender.scene.records import Camera, Frame
 from symrender.scene.records import Plane as PlaneRecord
 
@@ -58,13 +60,18 @@ CYLINDER: Final = 8
 SAMPLED_SHAPES: Final = {CYLINDER: "a cylinder"}
 """Kinds of shapes that quadrature does not know, in words."""
 
+# textures in the (u, v) of shapes, beside SOLID, CHECKER, STRIPES and MARBLE
+IMAGE: Final = 4
+CHECKERBOARD: Final = 5
+
 # kinds of a light; a point is POINT
 POINT: Final = 0
 DIRECTIONAL: Final = 1
 SKY: Final = 2
 AREA: Final = 3
 SPOT: Final = 4
-EXTENDED: Final = {SKY: "a sky", AREA: "an area light"}
+ENVIRONMENT: Final = 5
+EXTENDED: Final = {SKY: "a sky", AREA: "an area light", ENVIRONMENT: "an environment"}
 """Kinds of lights that leave penumbrae, in words."""
 
 # kinds of a term of a height field
@@ -114,6 +121,8 @@ class RadiometricArrays:
     exposure: Exposure
     first_gloss: bool = False
     """Whether conductors and phong materials reflect at the first hit alone, and are black to other surfaces."""
+    detail: Detail = field(default_factory=Detail)
+    """Images, and what vertices of meshes have, which the path tracer alone reads."""
 
 
 def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
@@ -121,8 +130,9 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     materials = table(Material, len(scene.materials))
     names = {name: index for index, name in enumerate(scene.materials)}
     steps: list[Step] = []
+    gallery = Gallery()
     for index, material in enumerate(scene.materials.values()):
-        _lay_material(material, materials[index])
+        _lay_material(material, materials[index], gallery)
         _lay_bump(material, materials[index], steps)
     rows = table(Shape, len(scene.shapes))
     for j, shape in enumerate(scene.shapes):
@@ -150,6 +160,9 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
             case lights.Sky():
                 light_row.kind = SKY
                 light_row.emitted[:] = light.radiance
+            case lights.Environment():
+                light_row.kind, light_row.emitter = ENVIRONMENT, gallery.hang(light)
+                light_row.emitted[:] = light.scale
             case lights.Area():
                 light_row.kind, light_row.emitter = AREA, places[light.shape]
                 light_row.emitted[:] = light.radiance
@@ -158,9 +171,10 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
     bounces, exposure = ALL if scene.bounces == "all" else scene.bounces, exposure_of(scene)
     _carry(rows, lit, camera, exposure)
-    return laid_out(
+    laid = laid_out(
         materials, _terms(steps), rows, facets, lit, directions, camera, bounces, exposure, scene.gloss == "first_hit"
     )
+    return replace(laid, detail=gallery.detail(scene.shapes, len(facets)))
 
 
 def _carry(shapes: Table[Shape], lights: Table[Light], camera: Camera, exposure: Exposure) -> None:
@@ -242,9 +256,9 @@ def _lay_facets(parts: tuple[ShapePart, ...], rows: Table[Shape]) -> Table[Facet
     return facets
 
 
-def _lay_material(material: MaterialPart, row: Material) -> None:
+def _lay_material(material: MaterialPart, row: Material, gallery: Gallery) -> None:
     row.two_sided = material.two_sided
-    _lay_reflectance(material.reflectance, row)
+    _lay_reflectance(material.reflectance, row, gallery)
     match material:
         case Diffuse():
             row.kind = DIFFUSE
@@ -290,8 +304,16 @@ def _terms(steps: list[Step]) -> Table[Term]:
     return rows
 
 
-def _lay_reflectance(reflectance: Reflectance, row: Material) -> None:
+def _lay_reflectance(reflectance: Reflectance, row: Material, gallery: Gallery) -> None:
     row.cell = 1.0
+    if isinstance(reflectance, Image):
+        row.texture, row.picture = IMAGE, gallery.hang(reflectance)
+        row.bright[:] = 1.0
+        return
+    if isinstance(reflectance, Checkerboard):
+        row.texture, row.picture = CHECKERBOARD, gallery.hang(reflectance)
+        row.bright[:], row.dark[:] = reflectance.bright, reflectance.dark
+        return
     if isinstance(reflectance, Solid):
         row.texture = SOLID
         row.bright[:] = row.dark[:] = reflectance.color

@@ -5,12 +5,16 @@ from __future__ import annotations
 from typing import Final
 
 from symrender.errors import Unsupported
+from symrender.limits import MAX_QUADRATURE_TRIANGLES
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import (
     BOX,
+    CHECKERBOARD,
     CONDUCTOR,
     DIFFUSE,
     DISK,
+    ENVIRONMENT,
+    IMAGE,
     MESH,
     PHONG,
     RECTANGLE,
@@ -25,6 +29,10 @@ from symrender.scene.radiometric.records import Material
 _SHAPES: Final = frozenset({PLANE, SPHERE, RECTANGLE, TRIANGLE, DISK, BOX, MESH})
 _MATERIALS: Final = frozenset({DIFFUSE, CONDUCTOR, PHONG})
 """What quadrature integrates; everything else is sampled."""
+
+
+_SECONDS: Final = 4e-4
+"""Seconds of a processor that quadrature takes for a triangle before the first pixel (``warnings.py``)."""
 
 
 def refuse_sampled(arrays: RadiometricArrays) -> None:
@@ -42,6 +50,24 @@ def refuse_sampled(arrays: RadiometricArrays) -> None:
 def _is_integrated(material: Material) -> bool:
     mirror = material.kind == CONDUCTOR and (material.alpha == 0.0 or bool((material.eta == 0.0).any()))
     return int(material.kind) in _MATERIALS and not mirror
+
+
+def refuse_detail(arrays: RadiometricArrays) -> None:
+    """Raise ``Unsupported``, by name, for what the path tracer alone computes: images, normals of vertices, size."""
+    names = {IMAGE: "an image as a texture", CHECKERBOARD: "a checkerboard in (u, v)"}
+    used = {int(arrays.materials[int(shape.material)].texture) for shape in arrays.shapes}
+    reasons = [words for kind, words in names.items() if kind in used]
+    if any(light.kind == ENVIRONMENT for light in arrays.lights):
+        reasons.append("an environment from an image")
+    if len(arrays.detail.normals):
+        reasons.append("shading normals of a mesh")
+    if len(arrays.facets) > MAX_QUADRATURE_TRIANGLES:
+        reasons.append(
+            f"meshes of {len(arrays.facets)} triangles, of which {MAX_QUADRATURE_TRIANGLES} are the most "
+            f"({_SECONDS * len(arrays.facets):.2g} s before the first pixel)"
+        )
+    if reasons:
+        raise Unsupported(f"{' and '.join(reasons)}: not integrated by quadrature; paths sample it")
 
 
 def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.scene.directions import coincide
-from symrender.scene.radiometric.values import Angle, Intensities, Irradiances, Radiances, Velocity
-from symrender.scene.values import Part, PartName, Point3
+from symrender.scene.radiometric.textures import Pictured
+from symrender.scene.radiometric.values import Angle, Intensities, Irradiances, Radiances, Rotation, Velocity
+from symrender.scene.root import wrong
+from symrender.scene.values import Part, PartName, Point3, listed
 
 LEAST_FALLOFF: Final = 1e-6
 """Degrees over which a spot falls off, at least: what is thinner is an edge to rounding."""
+ORTHOGONAL: Final = 1e-5
+"""How far products of the rows of a rotation may be from 0 and 1: files write six digits."""
+LEAST_ROWS: Final = 2
+"""Rows of an environment's image: between two of them there is a direction."""
 
 
 class Point(Part):
@@ -79,6 +85,53 @@ class Sky(Part):
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 
 
+class Environment(Pictured):
+    """Light from all directions by an image of them, longitude along its rows; seen where a ray meets nothing.
+
+    In the coordinates of the map, whose z points up, column i of w stands for azimuth 2 pi (i + 1/2)/w from y towards
+    x: a direction is (sin phi sin theta, cos phi sin theta, cos theta). With ``rows: corners`` the first row is
+    theta = 0 and the last theta = pi, as of Mitsuba's ``envmap``, else row j of h is theta = pi (j + 1/2)/h. Between
+    these radiance is linear in phi and theta. ``layout: equal_area`` is the square octahedral map of pbrt-v4, whose
+    pixels are parts of the sphere of one size and one radiance (``filter: nearest``). The map
+    is turned by ``rotation`` about its z, then by ``to_world``, and its radiance is multiplied by ``scale``.
+    """
+
+    type: Literal["environment"] = "environment"
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
+    scale: Annotated[Radiances, Field(description="factor of its radiance, a number or three")] = (1.0, 1.0, 1.0)
+    rotation: Annotated[Rotation, Field(description="by how much it is turned about its z, counter-clockwise")] = 0.0
+    to_world: Annotated[
+        tuple[Point3, Point3, Point3],
+        Field(description="rows of the matrix that turns directions of the map, so rotated, into the world"),
+        BeforeValidator(listed),
+    ] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    rows: Annotated[
+        Literal["corners", "centres"], Field(description="whether the first row is the zenith, or half a row from it")
+    ] = "corners"
+    filter: Annotated[Literal["bilinear", "nearest"], Field(description="between centres of pixels")] = "bilinear"
+    layout: Annotated[
+        Literal["latlong", "equal_area"], Field(description="longitude and latitude, or pbrt's octahedral map")
+    ] = "latlong"
+
+    @model_validator(mode="after")
+    def _turns(self) -> Self:
+        rows = self.to_world
+        products = (sum(x * y for x, y in zip(a, b, strict=True)) for a in rows for b in rows)
+        if any(abs(c - float(k % 4 == 0)) > ORTHOGONAL for k, c in enumerate(products)):
+            raise wrong("must be a rotation: rows of length 1 at right angles to each other", "to_world")
+        return self
+
+    def _check_values(self, values: Any) -> None:
+        super()._check_values(values)
+        height, width, _ = values.shape
+        if self.layout == "equal_area" and self.filter != "nearest":
+            raise wrong("an equal-area map is known with filter: nearest alone", "filter")
+        if self.layout == "equal_area" and height != width:
+            raise wrong(f"an equal-area map must be a square, got {width} x {height} pixels", "file")
+        if self.layout == "latlong" and height < LEAST_ROWS:
+            raise wrong(f"must have at least {LEAST_ROWS} rows, got {height}", "file")
+
+
 class Area(Part):
     """A shape that emits the same radiance from every place of it, in every direction on the side of its normal."""
 
@@ -91,4 +144,4 @@ class Area(Part):
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 
 
-Light = Annotated[Point | Directional | Spot | Sky | Area, Field(discriminator="type")]
+Light = Annotated[Point | Directional | Spot | Sky | Environment | Area, Field(discriminator="type")]

@@ -12,6 +12,7 @@ from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import shown
 from symrender.scene.radiometric.bump import Bump
 from symrender.scene.radiometric.metals import METALS
+from symrender.scene.radiometric.textures import Checkerboard, Image
 from symrender.scene.radiometric.values import Alpha, Extinctions, Index, MetalIndices, Power, Shares
 from symrender.scene.root import wrong
 from symrender.scene.values import Length, Part
@@ -64,7 +65,9 @@ def _textured(value: Any) -> Any:
     return {"type": "solid", "color": value} if isinstance(value, int | float | list | tuple) else value
 
 
-Reflectance = Annotated[Solid | Checker | Stripes | Marble, Field(discriminator="type"), BeforeValidator(_textured)]
+Reflectance = Annotated[
+    Solid | Checker | Stripes | Marble | Checkerboard | Image, Field(discriminator="type"), BeforeValidator(_textured)
+]
 
 
 class Diffuse(Part):

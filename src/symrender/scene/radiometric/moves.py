@@ -40,6 +40,11 @@ def numbers(arrays: RadiometricArrays, name: str) -> Array:
     return flat(lights)
 
 
+def _details(arrays: RadiometricArrays) -> tuple[Array, ...]:
+    """Numbers of what the path tracer alone reads, but texels, which no parameter moves."""
+    return flat(arrays.detail.pictures), arrays.detail.coordinates, arrays.detail.normals
+
+
 def _moved(scene: RadiometricScene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
     here = radiometric_arrays(scene)
     value, other, there = stepped(scene, name, radiometric_arrays)
@@ -47,6 +52,8 @@ def _moved(scene: RadiometricScene, name: str) -> tuple[tuple[str, tuple[int, ..
         raise Unsupported(
             f"{name}: beside {value:g} the image is a mean over a lens or over time, which is not yet differentiated"
         )
+    if any((a != b).any() for a, b in zip(_details(here), _details(there), strict=True)):
+        raise Unsupported(f"{name}: is not yet differentiated, as it moves an image, or normals or coordinates of it")
     found: list[tuple[str, tuple[int, ...]]] = []
     for part in MOVED:
         a, b = numbers(here, part), numbers(there, part)

@@ -13,6 +13,8 @@ from symrender.jit.records import Array, Record, Three
 class Material(Record):
     """A material: its ``kind``, its texture of ``bright`` and ``dark`` in cells, then what its kind needs.
 
+    A texture in (u, v), IMAGE or CHECKERBOARD, is asked by the picture of this index.
+
     ``density`` GGX or BECKMANN; ``correlated`` and ``walter`` 0 or 1 as ``masking`` and ``g1`` of the scene say. With a
     bump ``terms`` is not 0: its height is ``amplitude`` times the last of so many terms from ``begin`` on, ``own`` says
     whether they are of the surface's own coordinates, ``geometric`` whether light arrives by the cosine of its normal.
@@ -46,6 +48,7 @@ class Material(Record):
     nonlinear: float
     through: Annotated[Array, 64]
     within: float
+    picture: float
 
 
 class Term(Record):
@@ -97,7 +100,8 @@ class Light(Record):
     """A light: ``place`` is a point's position or the direction a directional light travels in, of any length.
 
     ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY; of AREA it is
-    radiance, and ``emitter`` the index of the shape that emits. A SPOT is a point with a unit ``axis``, the angles
+    radiance, and ``emitter`` the index of the shape that emits; of ENVIRONMENT it is a factor, and ``emitter`` the
+    index of its picture. A SPOT is a point with a unit ``axis``, the angles
     ``beam`` and ``cutoff`` in degrees, and 1 for ``smooth`` where its fall-off is.
     """
 

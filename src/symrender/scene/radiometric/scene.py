@@ -12,7 +12,7 @@ from symrender.limits import MAX_BOUNCES, MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import shown
 from symrender.scene.radiometric.camera import LensCamera
-from symrender.scene.radiometric.lights import Area, Light, Sky
+from symrender.scene.radiometric.lights import Area, Environment, Light, Sky
 from symrender.scene.radiometric.materials import Material
 from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
 from symrender.scene.radiometric.values import Times
@@ -67,7 +67,7 @@ class RadiometricScene(Root):
     ] = ()
     lights: Annotated[
         tuple[Light, ...],
-        Field(max_length=MAX_LIGHTS, description="the lights, at most one of them a sky"),
+        Field(max_length=MAX_LIGHTS, description="the lights, at most one of them a sky or an environment"),
         BeforeValidator(at_most(MAX_LIGHTS)),
     ] = ()
 
@@ -93,9 +93,12 @@ class RadiometricScene(Root):
             triangles += len(shape.faces) if isinstance(shape, Mesh) else 0
             if triangles > MAX_TRIANGLES:
                 raise wrong(f"meshes may have at most {MAX_TRIANGLES} triangles together", "shapes", index, "faces")
-        skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky)]
+        skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky | Environment)]
         if len(skies) > 1:
-            raise wrong(f"at most one light is a sky, lights[{skies[0]}] is one too", "lights", skies[1], "type")
+            raise wrong(
+                f"at most one light is a sky or an environment, lights[{skies[0]}] is one too",
+                "lights", skies[1], "type",
+            )  # fmt: skip
         self._areas_emit()
         return self
 

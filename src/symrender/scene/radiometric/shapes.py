@@ -11,7 +11,7 @@ from symrender.limits import MAX_TRIANGLES
 from symrender.scene.directions import Triple, along, check_frame, coincide, collinear, minus
 from symrender.scene.radiometric.values import Corners, Rotation, Size3, Velocity
 from symrender.scene.root import wrong
-from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
+from symrender.scene.values import Length, Part, PartName, Point2, Point3, at_most, listed
 
 _AXES: Final = 3
 # ``has_own_coordinates`` says whether a bump may have its heights in those of the shape's texture
@@ -179,7 +179,9 @@ class Mesh(Part):
 
     A file of the ending .obj or .ply is read when the scene is loaded, beside which it lies: the scene then holds its
     vertices and faces. A vertex v stands at ``position`` + ``scale`` v, turned about z. Each face has a texture of its
-    own, from its first vertex along its first edge.
+    own, from its first vertex along its first edge; textures in (u, v) follow those of the vertices. With
+    ``shading_normals: use`` it reflects by the normals of its vertices, interpolated over each face; where there are
+    none they are the sums of those of the faces about a vertex, each times its angle.
     """
 
     has_own_coordinates: ClassVar[bool] = False
@@ -198,6 +200,30 @@ class Mesh(Part):
         Field(description="three vertices each by their places in the list, from 0, counter-clockwise from outside"),
         BeforeValidator(at_most(MAX_TRIANGLES)),
     ] = ()
+    uv: Annotated[
+        tuple[Point2, ...],
+        Field(description="texture coordinates, in the order of the vertices or of what uv_faces names"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    uv_faces: Annotated[
+        tuple[Corners, ...],
+        Field(description="three texture coordinates each, by their places in uv; empty: those of its vertices"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    normals: Annotated[
+        tuple[Point3, ...],
+        Field(description="shading normals, in the order of the vertices or of what normal_faces names, of any length"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    normal_faces: Annotated[
+        tuple[Corners, ...],
+        Field(description="three normals each, by their places in normals; empty: those of its vertices"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    shading_normals: Annotated[
+        Literal["ignore", "use"],
+        Field(description="whether it reflects by the normals of its vertices, computed if it has none"),
+    ] = "ignore"
     notes: Annotated[
         str, Field(max_length=1000, description="what of its file is not used; written when the file is read")
     ] = ""
@@ -212,6 +238,17 @@ class Mesh(Part):
             raise wrong("is read where a scene is loaded; a Mesh holds vertices and faces", "file")
         if not self.faces:
             raise wrong("must hold at least one face, or be read from a file", "faces")
+        self._check_faces()
+        self._check_vertices("uv", self.uv, self.uv_faces)
+        self._check_vertices("normals", self.normals, self.normal_faces)
+        return self
+
+    def _check_faces(self) -> None:
+        """Raise PydanticCustomError for the first face that has no vertices or no area, or lies in another."""
+        from symrender.scene.meshes.many import sound
+
+        if sound(self.vertices, self.faces):
+            return
         known: dict[frozenset[Triple], int] = {}
         for index, face in enumerate(self.faces):
             if max(face) >= len(self.vertices):
@@ -225,7 +262,16 @@ class Mesh(Part):
                     f"lies in faces[{other}], and which of them is seen is not decided; two_sided shows both sides",
                     "faces", index,
                 )  # fmt: skip
-        return self
+
+    def _check_vertices(self, field: str, values: tuple[Any, ...], corners: tuple[tuple[int, int, int], ...]) -> None:
+        """Raise PydanticCustomError where what vertices have is not there for all corners of all faces."""
+        faces = f"{field.removesuffix('s')}_faces"
+        if corners and len(corners) != len(self.faces):
+            raise wrong(f"must hold one entry for each of the {len(self.faces)} faces, got {len(corners)}", faces)
+        if values and not corners and len(values) != len(self.vertices):
+            raise wrong(f"must hold one entry for each of the {len(self.vertices)} vertices, got {len(values)}", field)
+        if corners and max(map(max, corners)) >= len(values):
+            raise wrong(f"there are {len(values)} {field}, from 0, got {max(map(max, corners))}", faces)
 
 
 def _beside(data: Any, key: str) -> Any:

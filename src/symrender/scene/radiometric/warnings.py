@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symrender.scene.radiometric.lights import Directional, Point, Sky, Spot
+from symrender.limits import MAX_QUADRATURE_TRIANGLES
+from symrender.scene.radiometric.lights import Directional, Environment, Point, Sky, Spot
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape, Sphere
 from symrender.scene.values import Part
@@ -64,7 +65,7 @@ def _lights(scene: RadiometricScene) -> Iterator[str]:
                 f"lights.{light.name}: no path finds its light in what materials.{smooth[0]} mirrors or bends, for "
                 "that is smooth and the light is a point or a direction: the image is without it"
             )
-        if isinstance(light, Sky):
+        if isinstance(light, Sky | Environment):
             continue
         for shape in scene.shapes:
             if isinstance(light, Point) and (side := _beyond(shape, light.position)):
@@ -78,7 +79,9 @@ def _shapes(scene: RadiometricScene) -> Iterator[str]:
         if isinstance(shape, Mesh) and shape.notes:
             yield f"shapes.{shape.name}: {shape.notes}"
     triangles = sum(len(shape.faces) for shape in scene.shapes if isinstance(shape, Mesh))
-    if triangles > _MANY:
+    if triangles > MAX_QUADRATURE_TRIANGLES:
+        yield f"its meshes have {triangles} triangles, and quadrature takes {MAX_QUADRATURE_TRIANGLES}: paths sample it"
+    elif triangles > _MANY:
         yield (
             f"its meshes have {triangles} triangles: an image without noise takes {_READY * triangles:.2g} s and "
             f"{_BYTES * triangles / 1e6:.2g} MB before its first pixel, then {_PIXEL * triangles:.2g} s a pixel for "

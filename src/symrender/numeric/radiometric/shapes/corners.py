@@ -75,3 +75,11 @@ def corner_point(shape: Shape, a: float, b: float) -> Vector:
         return along(along(triple(shape.place), a, u), b, v)
     r = math.sqrt(a)
     return along(along(triple(shape.place), r * (1.0 - b), u), r * b, v)
+
+
+@jitable
+def edge_shares(corner: Vector, u: Vector, v: Vector, place: Vector) -> tuple[float, float]:
+    """Coordinates of a place of a flat shape in the two edges that leave its first corner."""
+    n, s = cross(u, v), minus(place, corner)
+    size = dot(n, n)
+    return dot(cross(s, v), n) / size, dot(cross(u, s), n) / size
