@@ -34,6 +34,8 @@ def _flow(value: Any) -> str:
 
 def _lines(data: dict[str, Any]) -> Iterator[str]:
     for key, value in data.items():
+        if value is None:
+            continue
         if isinstance(value, dict):
             yield f"{key}:"
             yield from (f"  {name}: {_flow(entry)}" for name, entry in value.items())
