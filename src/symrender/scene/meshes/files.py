@@ -37,7 +37,7 @@ def read_mesh(name: str, opener: Opener, how: Mapping[str, Any] | None = None) -
     data = opener(name, MAX_MESH_BYTES + 1)
     if len(data) > MAX_MESH_BYTES:
         raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes")
-    data = _unzipped(data, origin)
+    data = unzipped(data, origin, MAX_MESH_BYTES)
     try:
         fields = _net(data, suffix, origin, told).fields()
     except BadMesh as error:
@@ -55,17 +55,17 @@ def _net(data: bytes, suffix: str, origin: str, how: Mapping[str, Any]) -> Net:
     return read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))
 
 
-def _unzipped(data: bytes, origin: str) -> bytes:
+def unzipped(data: bytes, origin: str, most: int) -> bytes:
     """The bytes of a file that gzip packed, as pbrt reads .ply.gz, or those given."""
     if not data.startswith(b"\x1f\x8b"):
         return data
     try:
         inflater = zlib.decompressobj(wbits=31)
-        whole = inflater.decompress(data, MAX_MESH_BYTES + 1)
+        whole = inflater.decompress(data, most + 1)
     except zlib.error as error:
         raise SceneError(f"{origin}: its deflated part is damaged: {error}") from None
-    if len(whole) > MAX_MESH_BYTES:
-        raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes, unpacked")
+    if len(whole) > most:
+        raise SceneError(f"{origin}: may hold at most {most} bytes, unpacked")
     return whole
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-PLACING: Final = ("to_world", "vertex_normals", "flip_faces", "flip_v", "part", "format")
+PLACING: Final = ("to_world", "vertex_normals", "flip_faces", "flip_v", "keeps_side", "part", "format")
 """Fields beside ``file`` that say how it is read."""
 _NORMALS: Final = ("none", "file", "smooth")
 SHADED: Final = "shading_normals" in Mesh.model_fields
@@ -31,7 +31,7 @@ def checked(how: Mapping[str, Any]) -> None:
     numbers = isinstance(matrix, list | tuple) and all(type(x) in (int, float) and math.isfinite(x) for x in matrix)
     if matrix is not None and not (numbers and len(matrix) == _MATRIX and list(matrix[12:]) == [0, 0, 0, 1]):
         raise SceneError("to_world: must be 16 finite numbers, row by row, the last four 0, 0, 0, 1")
-    for name in ("flip_faces", "flip_v"):
+    for name in ("flip_faces", "flip_v", "keeps_side"):
         if type(how.get(name, False)) is not bool:
             raise SceneError(f"{name}: must be true or false, got {shown(how[name])}")
     if how.get("vertex_normals", "none") not in _NORMALS:
@@ -58,12 +58,13 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
         if not np.isfinite(places).all():
             raise SceneError("to_world: must leave coordinates finite")
         made["vertices"] = places.tolist()
+        side = float(np.linalg.det(matrix[:3, :3]))
+        if normals is not None and not abs(side) > 0.0:
+            raise SceneError("to_world: must have a determinant that is not 0")
+        # normals that the file has keep their side where a matrix mirrors, in pbrt faces too
         if normals is not None:
-            side = float(np.linalg.det(matrix[:3, :3]))
-            if side == 0.0:
-                raise SceneError("to_world: must have a determinant that is not 0")
-            # normals that the file has keep their side where a matrix mirrors
             normals = normals @ np.linalg.inv(matrix[:3, :3])
+        if normals is not None or how.get("keeps_side"):
             turned ^= side < 0.0
     if how.get("flip_v") and made.get("uv"):
         made["uv"] = [(u, 1.0 - v) for u, v in made["uv"]]
