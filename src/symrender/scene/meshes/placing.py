@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-PLACING: Final = ("to_world", "vertex_normals", "flip_faces", "flip_v", "keeps_side", "part", "format")
+PLACING: Final = ("to_world", "vertex_normals", "flip_faces", "flip_v", "keeps_side", "turn_bare", "part", "format")
 """Fields beside ``file`` that say how it is read."""
 _NORMALS: Final = ("none", "file", "smooth")
 SHADED: Final = "shading_normals" in Mesh.model_fields
@@ -31,7 +31,7 @@ def checked(how: Mapping[str, Any]) -> None:
     numbers = isinstance(matrix, list | tuple) and all(type(x) in (int, float) and math.isfinite(x) for x in matrix)
     if matrix is not None and not (numbers and len(matrix) == _MATRIX and list(matrix[12:]) == [0, 0, 0, 1]):
         raise SceneError("to_world: must be 16 finite numbers, row by row, the last four 0, 0, 0, 1")
-    for name in ("flip_faces", "flip_v", "keeps_side"):
+    for name in ("flip_faces", "flip_v", "keeps_side", "turn_bare"):
         if type(how.get(name, False)) is not bool:
             raise SceneError(f"{name}: must be true or false, got {shown(how[name])}")
     if how.get("vertex_normals", "none") not in _NORMALS:
@@ -50,7 +50,8 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
     made = dict(fields)
     normals = np.array(made["normals"], dtype=np.float64) if made.get("normals") else None
     faces = [tuple(face) for face in made["faces"]]
-    turned = bool(how.get("flip_faces", False))
+    # faces without normals turn over in a mirror image
+    turned = bool(how.get("flip_faces", False)) != (normals is None and bool(how.get("turn_bare", False)))
     if (rows := how.get("to_world")) is not None:
         matrix = np.array(rows, dtype=np.float64).reshape(4, 4)
         with np.errstate(all="ignore"):
@@ -78,9 +79,9 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
     if not SHADED or how.get("vertex_normals", "file") == "none":
         return made
     if normals is not None:
-        made["normals"] = normals.tolist()
+        made |= {"normals": normals.tolist(), "shading_normals": "use"}
     elif how.get("vertex_normals") == "smooth":
-        made |= _smooth(made)
+        made |= _smooth(made) | {"shading_normals": "use"}
     return made
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
+
 from symrender.errors import SceneError
 from symrender.limits import MAX_FILE_BYTES
 from symrender.scene.document import Malformed
@@ -30,6 +32,13 @@ class Reader:
 
     def __init__(self, folders: list[str], opener: Opener, old: bool) -> None:
         self.folders, self.opener, self.old = folders, opener, old
+        self.outer = np.eye(4)
+        """From the file's coordinates to those of the scene: a mirroring where the camera mirrors its image."""
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the scene is the mirror image of the file's."""
+        return bool(self.outer[0, 0] < 0.0)
 
     def path(self, element: Element, name: str) -> str:
         """The name by which the opener opens a file that an element names."""

@@ -26,22 +26,25 @@ def light(properties: Properties, kind: str, name: str, reader: Reader) -> tuple
         raise properties.wrong(f"no such emitter here; known are {_KNOWN}")
     strength = _STRENGTHS[kind]
     colour = colour_of(properties, strength, 1.0, reader, EMITTED)
-    matrix = taken_transform(properties)
+    given = taken_transform(properties)
+    outer = reader.outer
+    matrix = outer if given is None else outer @ given
     entry: dict[str, Any] = {"type": kind, "name": name}
     match kind:
         case "point":
-            if matrix is not None and "position" in properties.named:
+            if given is not None and "position" in properties.named:
                 raise properties.wrong("position and to_world: one of them says where it is")
-            entry["position"] = _column(matrix, 3) if matrix is not None else properties.place("position", (0.0, 0.0, 0.0))
+            place = properties.place("position", (0.0, 0.0, 0.0))
+            entry["position"] = _column(matrix, 3) if given is not None else _turned(outer, place)
         case "spot":
             entry |= _spot(properties, matrix)
         case "directional":
             if "direction" in properties.named:
-                if matrix is not None:
+                if given is not None:
                     raise properties.wrong("direction and to_world: one of them says where it goes")
-                entry["direction"] = properties.place("direction")
+                entry["direction"] = _turned(outer, properties.place("direction"))
             else:
-                entry["direction"] = [0.0, 0.0, 1.0] if matrix is None else _column(matrix, 2)
+                entry["direction"] = _column(matrix, 2)
         case _:
             entry["type"] = "sky"
     entry[strength] = colour
@@ -53,13 +56,16 @@ def _column(matrix: Array, column: int) -> list[float]:
     return [float(x) for x in matrix[:3, column]]
 
 
-def _spot(properties: Properties, matrix: Array | None) -> dict[str, Any]:
+def _turned(outer: Array, place: list[float]) -> list[float]:
+    return [float(x) + 0.0 for x in outer[:3, :3] @ place]
+
+
+def _spot(properties: Properties, whole: Array) -> dict[str, Any]:
     """Place, direction and cone of a spot."""
     if "texture" in properties.named:
         raise properties.wrong("a texture is not supported", properties.named["texture"])
     cutoff = properties.number("cutoff_angle", 20.0)
     beam = properties.number("beam_width", 0.75 * cutoff)
-    whole = np.eye(4) if matrix is None else matrix
     return {"position": _column(whole, 3), "direction": _column(whole, 2), "beam": beam, "cutoff": cutoff}
 
 
@@ -75,10 +81,10 @@ def _environment(properties: Properties, name: str, reader: Reader) -> dict[str,
     matrix = taken_transform(properties)
     whole = np.eye(4) if matrix is None else matrix
     size = uniform_scale(whole)
-    if size is None or np.linalg.det(whole[:3, :3]) < 0.0:
-        raise properties.wrong("to_world must turn, and neither mirror nor scale by unequal factors")
+    if size is None:
+        raise properties.wrong("to_world must turn or mirror, and not scale by unequal factors")
     # x, y, z of the map here are x, z, y there: z up, and azimuth from y towards x
-    turned = whole[:3, :3] / size @ _TO_Y_UP
+    turned = reader.outer[:3, :3] @ whole[:3, :3] / size @ _TO_Y_UP
     entry["to_world"] = [[float(x) for x in row] for row in turned]
     properties.pop("gamma", "cache", "mis_compensation", "raw")
     properties.done("filename, scale and to_world")

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from pathlib import PurePath
 from typing import Any, Final
 
-import numpy as np
-
 from symrender.limits import MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path, Problem, grouped
 from symrender.scene.files import Opener, within
@@ -32,7 +30,7 @@ _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_-]")
 _DEFAULT: Final = Element("bsdf", {"type": "diffuse"}, Mark(1, 1))
 """The bsdf of a shape that has none."""
 _MEDIA: Final = "a medium is not supported: light travels in a vacuum here"
-_PASSED_OVER: Final = ("default", "texture", "spectrum", "rgb", "string", "float", "integer", "boolean", "transform")
+_SHARED: Final = ("bsdf", "texture", "spectrum", "film", "sampler", "rfilter", "phase", "volume")
 """What may stand in a scene to be referred to, and says nothing alone."""
 _DEEPEST: Final = 8
 
@@ -128,11 +126,12 @@ def parse_mitsuba(text: str, origin: str, opener: Opener | None = None) -> Docum
         read.resolve(child)
     emission_only = _integrated(read)
     readers = {"sensor": _sensor, "shape": _shape, "emitter": _emitter}
-    for child in objects.children:
+    # the camera first: it says whether its image is mirrored
+    for child in sorted(objects.children, key=lambda child: child.tag != "sensor"):
         with read.part():
             if child.tag == "medium":
                 raise Malformed(f"{name_of(child)}: {_MEDIA}", child.mark)
-            if child.tag in ("integrator", "bsdf", *_PASSED_OVER):
+            if child.tag in ("integrator", *_SHARED) or (child.tag == "emitter" and _is_for_a_shape(child)):
                 continue
             if child.tag not in readers:
                 known = "integrator, sensor, bsdf, texture, shape and emitter"
@@ -148,6 +147,11 @@ def parse_mitsuba(text: str, origin: str, opener: Opener | None = None) -> Docum
         with read.part():
             _clipped(read)
     return Document(read.data, origin, read.marks, problems=grouped(read.problems))
+
+
+def _is_for_a_shape(emitter: Element) -> bool:
+    """Whether an emitter of a scene is there to be referred to by shapes."""
+    return emitter.attributes.get("type") == "area" and "id" in emitter.attributes
 
 
 def _integrated(read: _Scene) -> bool:
@@ -177,7 +181,7 @@ def _sensor(read: _Scene, element: Element) -> None:
     if "camera" in read.data:
         read.notes.append("of several sensors the first is taken")
         return
-    read.data["camera"], film = camera(element, read.clip)
+    read.data["camera"], film = camera(element, read.clip, read.reader.outer)
     film.notes += read.notes
     read.data["film"] = film.entry()
     read.clip_mark = element.mark
@@ -212,7 +216,7 @@ def _dress(read: _Scene, element: Element) -> Dress:
 
 def _shape(read: _Scene, element: Element, outer: Array | None = None, depth: int = 0) -> None:
     kind = str(element.attributes.get("type"))
-    world = np.eye(4) if outer is None else outer
+    world = read.reader.outer if outer is None else outer
     if kind == "shapegroup" and depth == 0:
         return  # is seen where an instance refers to it
     if kind in ("instance", "shapegroup", "merge"):

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.scene.mitsuba.properties import Properties, numbers
-from symrender.scene.mitsuba.transforms import taken_transform, uniform_scale
+from symrender.scene.mitsuba.transforms import Array, taken_transform, uniform_scale
 from symrender.scene.mitsuba.xml_tree import Element
 from symrender.scene.printable import printable
 
@@ -116,8 +116,11 @@ def _filter(made: Film, element: Element) -> None:
     properties.done("radius, stddev, lobes, B and C")
 
 
-def camera(element: Element, clip: list[float]) -> tuple[dict[str, Any], Film]:
-    """The camera of a sensor, and its film; ``clip`` takes its near and far distance where they are given."""
+def camera(element: Element, clip: list[float], outer: Array) -> tuple[dict[str, Any], Film]:
+    """The camera of a sensor, and its film; ``clip`` takes its near and far distance.
+
+    ``outer`` becomes a mirroring where its image is mirrored.
+    """
     properties = Properties(element)
     kind = element.attributes.get("type")
     if kind not in ("perspective", "thinlens"):
@@ -137,7 +140,7 @@ def camera(element: Element, clip: list[float]) -> tuple[dict[str, Any], Film]:
     for name in ("principal_point_offset_x", "principal_point_offset_y"):
         if properties.number(name, 0.0) != 0.0:
             raise properties.wrong(f"{name} must be 0: a camera here looks through the middle of its image")
-    entry |= _stands(properties)
+    entry |= _stands(properties, outer)
     properties.done("fov, fov_axis, focal_length, to_world, near_clip, far_clip, film and sampler")
     if closed > opened:
         made.notes.append("its shutter shows nothing, as nothing moves")
@@ -173,7 +176,7 @@ def _fov(properties: Properties, made: Film) -> float:
     return math.degrees(2.0 * math.atan(0.5 * _DIAGONAL / millimetres / math.hypot(1.0, wide)))
 
 
-def _stands(properties: Properties) -> dict[str, Any]:
+def _stands(properties: Properties, outer: Array) -> dict[str, Any]:
     transform = properties.named.get("to_world")
     matrix = taken_transform(properties)
     if matrix is None:
@@ -187,7 +190,8 @@ def _stands(properties: Properties) -> dict[str, Any]:
     if scale is None:
         raise properties.wrong("to_world must turn and move, and scale alike in all directions", transform)
     if np.linalg.det(matrix[:3, :3]) < 0.0:
-        raise properties.wrong("to_world must not mirror: the image would be mirrored", transform)
+        outer[0, 0] = -1.0
+        matrix = outer @ matrix
     eye, ahead, up = matrix[:3, 3], matrix[:3, 2] / scale, matrix[:3, 1] / scale
     reach = max(1.0, float(np.linalg.norm(eye)))  # a target far enough away to tell the direction in all its digits
     return {"eye": eye.tolist(), "target": (eye + reach * ahead).tolist(), "up": up.tolist()}

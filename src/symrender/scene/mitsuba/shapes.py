@@ -59,7 +59,7 @@ def made(properties: Properties, dress: Dress, reader: Reader, outer: Array, lit
     flip = properties.flag("flip_normals", False)
     properties.pop("id", "silhouette_sampling_weight")
     if kind == "sphere":
-        return _sphere(properties, whole, dress, flip, lit)
+        return _sphere(properties, whole, dress, flip != reader.mirrored, lit)
     if kind == "rectangle" and plane is not None:
         return _plane(properties, whole, plane)
     if kind in FLATS:
@@ -206,6 +206,8 @@ def _mesh(properties: Properties, kind: str, matrix: Array, reader: Reader, flip
         fields["flip_v"] = True
     if flip:
         fields["flip_faces"] = True
+    if reader.mirrored:
+        fields["turn_bare"] = True
     angle = properties.number("max_smooth_angle", 0.0)
     if angle:
         raise properties.wrong("max_smooth_angle is not supported")
