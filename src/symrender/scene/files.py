@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import PurePath
 from typing import Final
 
@@ -13,8 +15,8 @@ from symrender.scene.read import read_bytes
 
 Opener = Callable[[str, int], bytes]
 """The first bytes of a file that a scene names, so many of them."""
-ALLOW_OUTSIDE: Final = "SYMRENDER_ALLOW_OUTSIDE"
-"""Environment variable that allows scenes to name files outside their folder."""
+_ALLOWED: ContextVar[bool] = ContextVar("allow_outside", default=False)
+"""Whether all scenes may name files outside their folder."""
 _SHOWN: Final = 100
 
 
@@ -30,7 +32,7 @@ def within(path: str, allow_outside: bool = False) -> Opener:
     A link that leads out of the folder is refused too.
     """
     folder = PurePath(path).parent
-    if allow_outside or os.environ.get(ALLOW_OUTSIDE, "") not in ("", "0"):
+    if allow_outside or _ALLOWED.get():
         return beside(path)
     root = os.path.realpath(str(folder) or ".")
 
@@ -48,6 +50,16 @@ def within(path: str, allow_outside: bool = False) -> Opener:
         return read_bytes(str(folder / name), most)
 
     return opened
+
+
+@contextmanager
+def outside_allowed(allowed: bool) -> Iterator[None]:
+    """Let all scenes name files outside their folder, if they are ``allowed`` to."""
+    token = _ALLOWED.set(allowed or _ALLOWED.get())
+    try:
+        yield
+    finally:
+        _ALLOWED.reset(token)
 
 
 def found(name: str, folders: Sequence[str], opener: Opener) -> str:

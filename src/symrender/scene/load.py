@@ -53,7 +53,7 @@ _PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
 }
 
 
-_FOREIGN: Final = (".xml", ".pbrt")
+FOREIGN: Final = (".xml", ".pbrt")
 """Files of other renderers, which open files in their own folder alone."""
 
 AnyScene = Scene | RadiometricScene
@@ -115,9 +115,15 @@ def _load_file(path: str, allow_outside: bool) -> AnyScene:
         guess = did_you_mean(path, known) or f", known are {', '.join(known)}"
         endings = ", ".join(_PARSERS)
         raise SceneError(f"{printable(path, 100)}: neither a file ending in {endings} nor a gallery scene{guess}")
-    if suffix in _FOREIGN:
+    if suffix in FOREIGN:
         return parse_any(read_file(path, MAX_FOREIGN_BYTES), path, suffix, within(path, allow_outside))
     return parse_any(read_file(path), path, suffix, beside(path))
+
+
+def document_of(path: str, allow_outside: bool = False) -> Document:
+    """What a file of another renderer says, as plain data that names the files of its meshes and images."""
+    suffix = PurePath(path).suffix.lower()
+    return _PARSERS[suffix][1](read_file(path, MAX_FOREIGN_BYTES), path, within(path, allow_outside))
 
 
 def load_any(source: Source, *, allow_outside: bool = False) -> AnyScene:
