@@ -89,6 +89,8 @@ class _Scene:
         if id(element) in self.resolved:
             return
         self.resolved.add(id(element))
+        if "id" in element.attributes:
+            inside = (*inside, element.attributes["id"])
         kept = []
         for child in element.children:
             if child.tag == "ref":
@@ -107,7 +109,7 @@ class _Scene:
             raise Malformed(f"ref: {what} has the id {printable(identity)}", child.mark)
         if identity in inside or len(inside) >= _DEEPEST:
             raise Malformed(f"ref: {printable(identity)} refers to itself, or too deep", child.mark)
-        self.resolve(target, (*inside, identity))
+        self.resolve(target, inside)
         named = {"name": child.attributes["name"]} if "name" in child.attributes else {}
         attributes = {key: value for key, value in target.attributes.items() if key != "name"}
         return Element(target.tag, attributes | named, target.mark, target.children, target.comments)

@@ -13,7 +13,8 @@ from symrender.scene.pbrt.tokens import Token, float_of, floats_of, is_integer, 
 from symrender.scene.printable import printable
 
 NUMBERS: Final = {"LookAt": 9, "Translate": 3, "Scale": 3, "Rotate": 4, "Identity": 0, "AttributeBegin": 0,
-                  "AttributeEnd": 0, "ReverseOrientation": 0, "WorldBegin": 0, "ObjectEnd": 0}  # fmt: skip
+                  "AttributeEnd": 0, "ReverseOrientation": 0, "WorldBegin": 0, "ObjectEnd": 0,
+                  "TransformBegin": 0, "TransformEnd": 0}  # fmt: skip
 MATRICES: Final = ("Transform", "ConcatTransform")
 STRINGS: Final = {"CoordinateSystem": 1, "CoordSysTransform": 1, "ColorSpace": 1, "NamedMaterial": 1, "Include": 1,
                   "Import": 1, "ObjectBegin": 1, "ObjectInstance": 1}  # fmt: skip
@@ -26,7 +27,7 @@ REFUSED: Final = {
     "TransformTimes": "nothing moves in a scene", "ActiveTransform": "nothing moves in a scene",
 }  # fmt: skip
 OLD: Final = frozenset((
-    "WorldEnd", "TransformBegin", "TransformEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume",
+    "WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume",
 ))  # fmt: skip
 """Directives of versions before 4, which these had alone."""
 _MOST_VALUES: Final = 3 * MAX_TRIANGLES

@@ -32,7 +32,7 @@ _MOVES: Final = ("Identity", "Translate", "Scale", "Rotate", "LookAt", "Transfor
 _BEFORE: Final = ("Camera", "Film", "PixelFilter", "Integrator", "Sampler", "Accelerator", "Option", "WorldBegin")
 _ANYWHERE: Final = (
     *_MOVES, "CoordinateSystem", "CoordSysTransform", "ColorSpace", "Attribute", "Include", "Import", "AttributeBegin",
-    "AttributeEnd", "ReverseOrientation", "MakeNamedMedium",
+    "AttributeEnd", "TransformBegin", "TransformEnd", "ReverseOrientation", "MakeNamedMedium",
 )  # fmt: skip
 _OPTIONS: Final = (
     "disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter", "seed", "rendercoordsys", "quiet",
@@ -161,7 +161,7 @@ class _Reader:
             self._head(directive)
         elif name in ("CoordinateSystem", "CoordSysTransform", "ColorSpace"):
             self._system(directive)
-        elif name in ("AttributeBegin", "AttributeEnd"):
+        elif name in ("AttributeBegin", "AttributeEnd", "TransformBegin", "TransformEnd"):
             self._nest(directive)
         elif name in ("ObjectBegin", "ObjectEnd", "ObjectInstance"):
             self._object(directive)
@@ -256,7 +256,7 @@ class _Reader:
             self.state = replace(self.state, at=found)
 
     def _nest(self, directive: Directive) -> None:
-        if directive.name == "AttributeBegin":
+        if directive.name in ("AttributeBegin", "TransformBegin"):
             if len(self.kept) >= MAX_DEPTH:
                 raise Unreadable(f"nesting must be at most {MAX_DEPTH} deep", directive.mark, ("AttributeBegin",))
             self.kept.append(self.state)
