@@ -23,15 +23,28 @@ _SHOWN: Final = 100
 _SUFFIXES: Final = (".obj", ".ply", ".serialized")
 
 
-def read_mesh(name: str, opener: Opener, how: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def read_mesh(
+    name: str, opener: Opener, how: Mapping[str, Any] | None = None, known: dict[Any, dict[str, Any]] | None = None
+) -> dict[str, Any]:
     """Vertices, faces and notes of the file ``name``, read as ``how`` says.
 
-    SceneError names it and where in it the fault is.
+    ``known`` keeps what files hold, for shapes that name the same. SceneError names the file and where in it the fault
+    is.
     """
-    origin = printable(name, _SHOWN)
     told = how or {}
     checked(told)
     suffix = f".{told['format']}" if "format" in told else PurePath(name).suffix.lower()
+    key = (name, suffix, told.get("part", 0))
+    fields = (known or {}).get(key)
+    if fields is None:
+        fields = _read(name, opener, suffix, told)
+        if known is not None:
+            known[key] = fields
+    return placed(fields, told)
+
+
+def _read(name: str, opener: Opener, suffix: str, how: Mapping[str, Any]) -> dict[str, Any]:
+    origin = printable(name, _SHOWN)
     if suffix not in _SUFFIXES:
         raise SceneError(f"{origin}: must be a file ending in {', '.join(_SUFFIXES[:-1])} or {_SUFFIXES[-1]}")
     data = opener(name, MAX_MESH_BYTES + 1)
@@ -39,11 +52,10 @@ def read_mesh(name: str, opener: Opener, how: Mapping[str, Any] | None = None) -
         raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes")
     data = unzipped(data, origin, MAX_MESH_BYTES)
     try:
-        fields = _net(data, suffix, origin, told).fields()
+        fields = _net(data, suffix, origin, how).fields()
     except BadMesh as error:
         mark = "" if str(error)[:1].isdigit() else " "
         raise SceneError(f"{origin}:{mark}{error}") from None
-    fields = placed(fields, told)
     return fields | ({"notes": f"{origin}: {fields['notes']}"} if "notes" in fields else {})
 
 
@@ -85,7 +97,7 @@ def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Prob
     shapes = data.get("shapes")
     if not isinstance(shapes, list) or not any(_names_file(shape) for shape in shapes):
         return document, problems
-    changed = list(shapes)
+    changed, known = list(shapes), dict[Any, dict[str, Any]]()
     for index, shape in enumerate(shapes):
         if not _names_file(shape):
             continue
@@ -99,7 +111,7 @@ def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Prob
             problems.append(Problem(path, "a mesh has a file, or vertices and faces, got both"))
         else:
             try:
-                changed[index] = rest | read_mesh(name, opener, how)
+                changed[index] = rest | read_mesh(name, opener, how, known)
             except SceneError as error:
                 problems.append(Problem(path, str(error)))
     read = {**data, "shapes": changed}

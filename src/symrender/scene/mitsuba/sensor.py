@@ -227,7 +227,9 @@ def bounces(element: Element | None, notes: list[str]) -> int | str | None:
     if properties.flag("hide_emitters", False):
         raise properties.wrong("hide_emitters: what lights is seen here")
     properties.pop(*_HARMLESS)
-    properties.done("max_depth, rr_depth and hide_emitters")
+    if kind != "guided_path":
+        # what guides paths changes how noisy an image is
+        properties.done("max_depth, rr_depth and hide_emitters")
     if depth == -1.0:
         return "all"
     if depth < 1.0 or depth != int(depth):

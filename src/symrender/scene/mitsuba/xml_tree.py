@@ -1,7 +1,7 @@
 """XML as elements that know their line, and nothing that XML can do beyond that.
 
-Declarations of types and entities, processing instructions and anything that would be read from elsewhere are refused
-where they stand, before they mean anything; size is that of every scene file, depth and number are limited.
+Declarations of types and entities and anything that would be read from elsewhere are refused where they stand, before
+they mean anything; processing instructions are passed over; depth and number are limited.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def parse_xml(text: str, file: str = "", count: Count | None = None) -> Element:
     parser.StartDoctypeDeclHandler = refuse("document types")
     parser.EntityDeclHandler = parser.UnparsedEntityDeclHandler = refuse("entities")
     parser.ExternalEntityRefHandler = parser.SkippedEntityHandler = refuse("entities")
-    parser.ProcessingInstructionHandler = refuse("processing instructions")
+    # processing instructions, as <?xml-model?>, are for other programs: nothing here carries them out
     try:
         parser.Parse(text.encode("utf-8"), True)
     except expat.ExpatError as error:
