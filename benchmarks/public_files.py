@@ -27,7 +27,9 @@ SECONDS = 120
 """Longest time for one file."""
 PLACE = re.compile(r"^.*?:\d+:\d+: ?")
 TIMES = re.compile(r" \(\d+ times, first here\)$")
-VALUE = re.compile(r"(?:, )?got .*$|\b[\w./-]+\.(?:exr|png|jpg|jpeg|ply|obj|hdr|serialized|spd|gz|pbrt|xml|tga)\b|[-+]?\d[\d.e+-]*")
+VALUE = re.compile(
+    r"(?:, )?got .*$|\b[\w./-]+\.(?:exr|png|jpg|jpeg|ply|obj|hdr|serialized|spd|gz|pbrt|xml|tga)\b|[-+]?\d[\d.e+-]*"
+)
 
 
 class TooLong(Exception):
@@ -73,7 +75,7 @@ def loaded(path: Path) -> Any:
 
 def main() -> int:
     os.chdir(sys.argv[1])
-    folder = Path(".")
+    folder = Path()
     renders = int(sys.argv[sys.argv.index("--render") + 1]) if "--render" in sys.argv else 0
     files = sorted(path for ending in ("xml", "pbrt") for path in folder.rglob(f"*.{ending}"))
     counts: dict[str, Counter[str]] = defaultdict(Counter)
@@ -102,7 +104,7 @@ def main() -> int:
         except TooLong:
             crashed.append(f"{path}: longer than {SECONDS} s")
             continue
-        except Exception as error:  # noqa: BLE001 what must not be is what is looked for
+        except Exception as error:
             crashed.append(f"{path}: {type(error).__name__}: {error}"[:300])
             continue
         counts[kind]["loads"] += 1
@@ -116,11 +118,14 @@ def main() -> int:
             except SymrenderError as error:
                 counts[kind]["not rendered"] += 1
                 blocks[f"{kind}, rendered"][str(error)[:110]] += 1
-            except Exception as error:  # noqa: BLE001
+            except Exception as error:
                 crashed.append(f"{path}: rendered: {type(error).__name__}: {error}"[:300])
     for kind, found_of in counts.items():
         total = found_of["loads"] + found_of["refused"]
-        print(f"{kind}: {found_of['loads']} of {total} whole scenes load, {found_of['loads'] / total:.0%}; {dict(found_of)}")
+        print(
+            f"{kind}: {found_of['loads']} of {total} whole scenes load, {found_of['loads'] / total:.0%}; "
+            f"{dict(found_of)}"
+        )
         for reason, count in blocks[kind].most_common(45):
             print(f"  {count:4d}  alone {alone[kind][reason]:3d}  {reason}")
     for kind in blocks:

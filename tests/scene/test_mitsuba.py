@@ -41,17 +41,25 @@ CASES = {
     "include fifo": (changed(HEAD, HEAD + '<include filename="secret"/>'), "secret: must be a regular file"),
     "include itself": (changed(HEAD, HEAD + '<include filename="case.xml"/>'), "at most 15 files inside each other"),
     "path": (
-        changed(HEAD, HEAD + '<path value="../.."/><include filename="a.xml"/>'), "a.xml: lies outside the folder",
+        changed(HEAD, HEAD + '<path value="../.."/><include filename="a.xml"/>'),
+        "a.xml: lies outside the folder",
     ),
     "parameter": (changed(HEAD, HEAD + '<default name="a" value="$b"/>'), "no default says what $b is"),
     "laughing parameters": (
-        changed(HEAD, HEAD + '<default name="a" value="aaaaaaaaaa"/>' + "".join(
-            f'<default name="{y}" value="{f"${x}" * 10}"/>' for x, y in zip("abcdefgh", "bcdefghi", strict=True)
-        )), "value is too long",
+        changed(
+            HEAD,
+            HEAD
+            + '<default name="a" value="aaaaaaaaaa"/>'
+            + "".join(
+                f'<default name="{y}" value="{f"${x}" * 10}"/>' for x, y in zip("abcdefgh", "bcdefghi", strict=True)
+            ),
+        ),
+        "value is too long",
     ),
     "twice an id": (changed(HEAD, HEAD + '<bsdf type="diffuse" id="material-gold05"/>'), "given twice"),
     "circle": (
-        changed(HEAD, HEAD + '<bsdf type="twosided" id="c"><ref id="c"/></bsdf>'), "c refers to itself",
+        changed(HEAD, HEAD + '<bsdf type="twosided" id="c"><ref id="c"/></bsdf>'),
+        "c refers to itself",
     ),
     "deep": (HEAD + "<a>" * 5000, "nesting must be at most 32 deep"),
     "many": (HEAD + "<a/>" * 120000, "may hold at most 100000"),

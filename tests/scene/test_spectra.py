@@ -1,4 +1,4 @@
-"""Spectra as linear RGB: the numbers of Mitsuba 3.9.1 in scalar_rgb, white as white, black bodies as physics has them."""
+"""Spectra as linear RGB: the numbers of Mitsuba 3.9.1 in scalar_rgb, the white of D65, black bodies by Planck."""
 
 from __future__ import annotations
 
@@ -63,7 +63,13 @@ def test_a_black_body_is_planck_s() -> None:
     assert abs(peak - 2.897771955e6 / 5000.0) <= 2.5  # Wien
     # Stefan and Boltzmann: sigma T^4/pi over all wavelengths; nearly all of a hot one's is not visible
     wavelength = 555e-9
-    due = 2 * 6.62607015e-34 * 299792458.0**2 / wavelength**5 / math.expm1(6.62607015e-34 * 299792458.0 / (wavelength * 1.380649e-23 * 5000.0))
+    due = (
+        2
+        * 6.62607015e-34
+        * 299792458.0**2
+        / wavelength**5
+        / math.expm1(6.62607015e-34 * 299792458.0 / (wavelength * 1.380649e-23 * 5000.0))
+    )
     assert abs(values[39] - due * 1e-9) < 1e-9 * due * 1e-9
     with pytest.raises(ValueError, match="temperature"):
         black_body(0.0)

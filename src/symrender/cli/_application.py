@@ -68,7 +68,8 @@ def application(arguments: Sequence[str] = ()) -> Any:
         ] = False,
         debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
         allow_outside: Annotated[
-            bool, typer.Option("--allow-outside", help="Let scenes of Mitsuba and pbrt name files outside their folder.")
+            bool,
+            typer.Option("--allow-outside", help="Let scenes of Mitsuba and pbrt name files outside their folder."),
         ] = False,
     ) -> None:
         """The oracle for rendering: glossy reflection integrated numerically and symbolically, errors stated.

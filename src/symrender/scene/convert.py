@@ -17,7 +17,9 @@ _INLINE: Final = 64
 """Most triangles of a mesh that stands in the YAML itself."""
 
 
-def converted(source: str | os.PathLike[str], folder: str, *, allow_outside: bool = False) -> tuple[str, dict[str, bytes]]:
+def converted(
+    source: str | os.PathLike[str], folder: str, *, allow_outside: bool = False
+) -> tuple[str, dict[str, bytes]]:
     """The YAML of a file of Mitsuba or pbrt, and the files that it names, by their place beside it.
 
     Parameters

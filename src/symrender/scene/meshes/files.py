@@ -34,7 +34,7 @@ def read_mesh(
     told = how or {}
     checked(told)
     suffix = f".{told['format']}" if "format" in told else PurePath(name).suffix.lower()
-    key = (name, suffix, told.get("part", 0))
+    key = (name, suffix, told.get("part", 0), told.get("vertex_normals", "none") != "none")
     fields = (known or {}).get(key)
     if fields is None:
         fields = _read(name, opener, suffix, told)
@@ -104,6 +104,8 @@ def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Prob
         path = ("shapes", index, "file")
         name, rest = shape["file"], {key: value for key, value in shape.items() if key not in ("file", *PLACING)}
         how = {key: shape[key] for key in PLACING if key in shape}
+        if rest.get("shading_normals") == "use":
+            how.setdefault("vertex_normals", "file")
         changed[index] = rest
         if not isinstance(name, str):
             problems.append(Problem(path, f"must be text, got {shown(name)}"))

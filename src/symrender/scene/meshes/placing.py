@@ -1,4 +1,4 @@
-"""What a scene says of how a mesh's file is read: its matrix, its normals, which mesh of the file, which way it faces."""
+"""How a mesh's file is read, as a scene says: its matrix, its normals, which mesh of the file, which way it faces."""
 
 from __future__ import annotations
 

@@ -37,7 +37,8 @@ def read_serialized(data: bytes, part: int) -> Net:
     vertices, triangles = struct.unpack("<QQ", body.take(16))
     if vertices > MAX_TRIANGLES or triangles > MAX_TRIANGLES:
         raise BadMesh(
-            f"mesh {part}: a mesh may have at most {MAX_TRIANGLES} vertices and triangles, got {vertices} and {triangles}"
+            f"mesh {part}: a mesh may have at most {MAX_TRIANGLES} vertices and triangles, "
+            f"got {vertices} and {triangles}"
         )
     kind = np.dtype("<f8" if flags & _DOUBLE else "<f4")
 
@@ -57,7 +58,9 @@ def read_serialized(data: bytes, part: int) -> Net:
         raise BadMesh(f"mesh {part}: must have a triangle, got none")
     if int(faces.max()) >= len(places):
         row = int(np.flatnonzero((faces >= len(places)).any(axis=1))[0])
-        raise BadMesh(f"mesh {part}: triangle {row}: must name some of the {len(places)} vertices, from 0, got {faces.max()}")
+        raise BadMesh(
+            f"mesh {part}: triangle {row}: must name some of the {len(places)} vertices, from 0, got {faces.max()}"
+        )
     net = Net()
     net.vertices = places.tolist()
     net.polygons = [(corners, f"mesh {part}: triangle {row}") for row, corners in enumerate(faces.tolist())]
@@ -78,7 +81,7 @@ def _place(data: bytes, part: int) -> tuple[int, int, int]:
     (count,) = struct.unpack_from("<I", data, len(data) - 4)
     width = 8 if version == _V4 else 4
     table = len(data) - 4 - width * count
-    if not 0 < count or table < 4:
+    if not count > 0 or table < 4:
         raise BadMesh(f"must end in a table of its meshes, got a count of {count}")
     if not 0 <= part < count:
         raise BadMesh(f"has {count} meshes, from 0, and none at {part}")

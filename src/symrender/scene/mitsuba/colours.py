@@ -124,11 +124,15 @@ class Reader:
                 words = properties.word("values", "").replace(",", " ").split()
                 values = numbers(element, " ".join(words), len(words))
                 if len(values) < 2:
-                    raise Malformed(f"spectrum regular: values must be two numbers at least, got {len(values)}", element.mark)
+                    raise Malformed(
+                        f"spectrum regular: values must be two numbers at least, got {len(values)}", element.mark
+                    )
                 step = (high - low) / (len(values) - 1)
                 colour = list(convert([low + step * k for k in range(len(values))], values))
             case "blackbody":
-                wavelengths, values = black_body(properties.number("temperature"), scale=properties.number("scale", 1.0))
+                wavelengths, values = black_body(
+                    properties.number("temperature"), scale=properties.number("scale", 1.0)
+                )
                 colour = list(convert(wavelengths, values))
             case _:
                 known = "uniform, d65, rgb, irregular, regular and blackbody"

@@ -154,5 +154,3 @@ def checked_scales(material: dict[str, Any]) -> tuple[dict[str, Any], list[float
             scales = texture["scales"]
             return {**material, field: {key: value for key, value in texture.items() if key != "scales"}}, scales
     return material, None
-
-

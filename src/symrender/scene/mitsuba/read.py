@@ -32,6 +32,8 @@ _DEFAULT: Final = Element("bsdf", {"type": "diffuse"}, Mark(1, 1))
 _MEDIA: Final = "a medium is not supported: light travels in a vacuum here"
 _SHARED: Final = ("bsdf", "texture", "spectrum", "film", "sampler", "rfilter", "phase", "volume")
 """What may stand in a scene to be referred to, and says nothing alone."""
+_OTHERS: Final = ("accel", "camera", "mesh", "light", "brdf", "world")
+"""What scenes of Nori and other renderers have, whose files begin alike."""
 _DEEPEST: Final = 8
 
 
@@ -124,6 +126,9 @@ def parse_mitsuba(text: str, origin: str, opener: Opener | None = None) -> Docum
     opens = opener or within(origin)
     objects = expanded(text, opens)
     read = _Scene(origin, objects, opens)
+    other = next((child for child in objects.children if child.tag in _OTHERS), None)
+    if other is not None:
+        raise Malformed(f"must be a scene of Mitsuba, got one of another renderer by its {other.tag}", other.mark)
     for child in (*objects.children, *objects.shared.values()):
         read.resolve(child)
     emission_only = _integrated(read)

@@ -31,8 +31,8 @@ _DIAGONAL: Final = 43.266615305567875
 """Diagonal of 35 mm film, mm."""
 _NESTING: Final = 8
 _SAMPLERS: Final = ("path", "direct", "volpath", "volpathmis", "volpath_simple", "prb", "prb_basic", "prbvolpath",
-                    "direct_projective", "prb_projective", "bdpt", "pssmlt", "mlt", "erpt", "ptracer", "emission_reparam",
-                    "direct_reparam", "prb_reparam", "guided_path")  # fmt: skip
+                    "direct_projective", "prb_projective", "bdpt", "pssmlt", "mlt", "erpt", "ptracer",
+                    "emission_reparam", "direct_reparam", "prb_reparam", "guided_path")  # fmt: skip
 """Integrators whose mean is the light of all paths up to a length."""
 _LIMITS: Final = ("photonmapper", "ppm", "sppm")
 """Integrators whose limit of ever more photons it is."""
@@ -86,8 +86,8 @@ def film(element: Element | None) -> Film:
     )}  # fmt: skip
     if (crop["width"], crop["height"]) != (made.width, made.height):
         made.notes.append(
-            f"its window of {crop['width']:g} x {crop['height']:g} pixels at ({crop['offset_x']:g}, {crop['offset_y']:g}) "
-            "is not cut out: images here are whole"
+            f"its window of {crop['width']:g} x {crop['height']:g} pixels "
+            f"at ({crop['offset_x']:g}, {crop['offset_y']:g}) is not cut out: images here are whole"
         )
     properties.pop(*_SAYS_NOTHING)
     properties.done("width, height, crop window, formats and rfilter")
@@ -128,6 +128,8 @@ def camera(element: Element, clip: list[float], outer: Array) -> tuple[dict[str,
     films = properties.parts("film")
     made = film(films[0] if films else None)
     properties.parts("sampler")
+    if properties.parts("medium"):
+        raise properties.wrong("a medium is not supported: light travels in a vacuum here")
     entry: dict[str, Any] = {"type": "look_at", "fov": _fov(properties, made)}
     if kind == "thinlens":
         entry["aperture"] = properties.number("aperture_radius")
@@ -205,7 +207,9 @@ def bounces(element: Element | None, notes: list[str]) -> int | str | None:
         properties = Properties(element)
         kind = str(element.attributes.get("type"))
         inner = properties.parts("integrator")
-        inner += [properties.named.pop(name) for name, child in list(properties.named.items()) if child.tag == "integrator"]
+        inner += [
+            properties.named.pop(name) for name, child in list(properties.named.items()) if child.tag == "integrator"
+        ]
         if kind in ("moment", "aov", "adaptive", "irrcache", "multichannel"):
             if kind == "irrcache":
                 notes.append("irrcache interpolates; what it approximates is computed")

@@ -37,7 +37,7 @@ class Made:
 
 @dataclass(frozen=True)
 class Dress:
-    """What is behind a shape's fields: the name of its material, its texture's scales and cell, if it has both sides."""
+    """The material of a shape: its name, its entry, and the scales of a checker with a comment."""
 
     name: str
     material: dict[str, Any]
@@ -129,7 +129,7 @@ def _cylinder(properties: Properties, matrix: Array, dress: Dress, flip: bool, l
 
 
 def _across(matrix: Array, axis: Array) -> float | None:
-    """By how much a matrix scales what is at right angles to an axis, if alike in all directions and kept at right angles."""
+    """The factor by which a matrix scales circles about an axis; None where they do not stay circles about it."""
     length = float(np.linalg.norm(axis))
     if not length > 0.0:
         return None

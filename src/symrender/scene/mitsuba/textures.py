@@ -50,7 +50,10 @@ def read_texture(properties: Properties, found: Element, reader: Reader) -> Any:
         case "bitmap":
             return _bitmap(inner, found, reader)
         case "uniform" | "rgb" | "srgb" | "d65" | "irregular" | "regular":
-            return {"type": "solid", "color": reader.of(Element("spectrum", found.attributes, found.mark, found.children), REFLECTED)}
+            return {
+                "type": "solid",
+                "color": reader.of(Element("spectrum", found.attributes, found.mark, found.children), REFLECTED),
+            }
         case _:
             raise inner.wrong("no such texture here; known are checkerboard and bitmap")
 

@@ -96,9 +96,7 @@ def film(parameters: Parameters | None, notes: dict[str, None]) -> tuple[float, 
     return width, height
 
 
-def camera(
-    parameters: Parameters, at: Transform, size: tuple[float, float], notes: dict[str, None]
-) -> dict[str, Any]:
+def camera(parameters: Parameters, at: Transform, size: tuple[float, float], notes: dict[str, None]) -> dict[str, Any]:
     """The look-at camera that sees the same; ``at`` leads from the world to pbrt's camera."""
     parameters.must("", parameters.directive.strings[0], "perspective")
     lens = parameters.number("lensradius", 0.0)

@@ -33,7 +33,8 @@ OLD: Final = frozenset((
 _MOST_VALUES: Final = 3 * MAX_TRIANGLES
 """Most values of one parameter."""
 KNOWN: Final = (*NUMBERS, *MATRICES, *STRINGS, *LISTED, "Option")
-SIZES: Final = {"color": 0, "float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "blackbody": 1, "spectrum": 0,
+SIZES: Final = {"color": 0, "float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "blackbody": 1,
+                "spectrum": 0,
                 "rgb": 3, "point2": 2, "vector2": 2, "point3": 3, "vector3": 3, "normal": 3,
                 "point": 3, "vector": 3, "normal3": 3}  # fmt: skip
 """Types of parameters, and of how many values one is made (0: any number)."""

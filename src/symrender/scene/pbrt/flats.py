@@ -57,7 +57,9 @@ def read_triangles(parameters: Parameters, at: Transform, turned: bool) -> Trian
     numbers = _rows(parameters, "P", 3, "point3", "point")
     if numbers is None:
         raise parameters.wrong("", "must have P, places of three numbers")
-    chart = next((rows for name in ("uv", "st") if (rows := _rows(parameters, name, 2, "point2", "float")) is not None), None)
+    chart = next(
+        (rows for name in ("uv", "st") if (rows := _rows(parameters, name, 2, "point2", "float")) is not None), None
+    )
     normals = _rows(parameters, "N", 3, "normal", "normal3")
     _rows(parameters, "S", 3, "vector3", "vector")
     alpha = parameters.directive.parameters.get("alpha")

@@ -17,11 +17,19 @@ from symrender.scene.spectra.curves import Rgb
 SMOOTHEST: Final = 1e-3
 """Roughness below which pbrt takes a surface for smooth."""
 _WRAPS: Final = {"repeat": "repeat", "clamp": "clamp"}
-_FILTERS: Final = {"bilinear": "bilinear", "point": "nearest", "trilinear": "bilinear", "EWA": "bilinear", "ewa": "bilinear"}
+_FILTERS: Final = {
+    "bilinear": "bilinear",
+    "point": "nearest",
+    "trilinear": "bilinear",
+    "EWA": "bilinear",
+    "ewa": "bilinear",
+}
 _GLASSES: Final = {"glass-BK7": 1.5168, "glass-BAF10": 1.67003, "glass-FK51A": 1.48656, "glass-LASF9": 1.85025}
 """Indices at 587.6 nm of glasses that pbrt knows by name."""
 _METALS: Final = {"metal-Ag": "Ag", "metal-Al": "Al", "metal-Au": "Au", "metal-Cu": "Cu"}
-COATED: Final = "coateddiffuse is computed as plastic, in closed form; pbrt walks at random, no farther than its maxdepth"
+COATED: Final = (
+    "coateddiffuse is computed as plastic, in closed form; pbrt walks at random, no farther than its maxdepth"
+)
 KNOWN: Final = "diffuse, conductor, dielectric, thindielectric and coateddiffuse"
 
 
@@ -205,7 +213,9 @@ def surface(parameters: Parameters, plugin: str, name: str, shelf: Shelf) -> Sur
         case "coateddiffuse":
             return _coated(parameters, name, shelf)
         case _:
-            raise parameters.wrong("", f"must be {KNOWN}, got {printable(plugin) or 'no type'}, a material no scene has")
+            raise parameters.wrong(
+                "", f"must be {KNOWN}, got {printable(plugin) or 'no type'}, a material no scene has"
+            )
 
 
 def _coated(parameters: Parameters, name: str, shelf: Shelf) -> Surface:
@@ -240,8 +250,10 @@ def _roughness(parameters: Parameters, shelf: Shelf) -> dict[str, Any]:
     both = shelf.number(parameters, "roughness", 0.0)
     u, v = (shelf.number(parameters, f"{axis}roughness", both) for axis in "uv")
     parameters.must("vroughness", v, u, "facets of a scene lie alike in all directions")
-    if not 0.0 <= u:
-        raise parameters.wrong("uroughness" if parameters.given("uroughness") else "roughness", f"must be >= 0, got {u:g}")
+    if not u >= 0.0:
+        raise parameters.wrong(
+            "uroughness" if parameters.given("uroughness") else "roughness", f"must be >= 0, got {u:g}"
+        )
     alpha = math.sqrt(u) if parameters.word("remaproughness", "true", "bool") == "true" else u
     if alpha < SMOOTHEST:
         return {"alpha": 0.0}

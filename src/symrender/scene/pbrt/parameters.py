@@ -115,7 +115,7 @@ class Parameters:
             raise self.wrong(name, f"must be {wanted}, got {shown}{f': {why}' if why else ''}")
 
     def colour(self, name: str, kind: str, opener: Opener, default: Rgb | None = None) -> Rgb | None:
-        """A colour in linear RGB: of what ``emits`` at luminance 1 where it is no rgb, ``reflects``, or an ``index``."""
+        """A colour in linear RGB, of what ``emits`` (at luminance 1 where it is no rgb), ``reflects``, or an ``index``."""
         found = self.take(name, "rgb", "spectrum", "blackbody", "float")
         if found is None:
             return default
@@ -132,7 +132,12 @@ class Parameters:
             wavelengths, values = self._curve(found, opener)
         except ValueError as error:
             raise self.wrong(name, str(error)) from None
-        if wavelengths[0] <= _VISIBLE[0] and wavelengths[-1] >= _VISIBLE[1] and len(set(values)) == 1 and kind != "emits":
+        if (
+            wavelengths[0] <= _VISIBLE[0]
+            and wavelengths[-1] >= _VISIBLE[1]
+            and len(set(values)) == 1
+            and kind != "emits"
+        ):
             return (values[0], values[0], values[0])
         if kind == "emits":
             return _of_luminance_one(wavelengths, values)

@@ -131,7 +131,9 @@ class _Reader:
         (name,) = directive.strings
         self.files += 1
         if depth >= _MOST_INCLUDES or self.files > MAX_KEYS:
-            raise Malformed(f"must be at most {_MOST_INCLUDES} files inside each other", directive.mark, (directive.name,))
+            raise Malformed(
+                f"must be at most {_MOST_INCLUDES} files inside each other", directive.mark, (directive.name,)
+            )
         try:
             path = found(name, [""], self.opener)
             data = unzipped(self.opener(path, MAX_FOREIGN_BYTES + 1), path, MAX_FOREIGN_BYTES)
@@ -209,7 +211,9 @@ class _Reader:
             for parameters, state in self.objects[name]:
                 self.instances += 1
                 if self.instances > _MOST_INSTANCES:
-                    raise Unreadable(f"must be at most {_MOST_INSTANCES} shapes of instances", directive.mark, ("ObjectInstance",))
+                    raise Unreadable(
+                        f"must be at most {_MOST_INSTANCES} shapes of instances", directive.mark, ("ObjectInstance",)
+                    )
                 with self.kept_problem():
                     self._shape(parameters, replace(state, lamp=None), self.state.at)
         elif directive.name == "ObjectBegin":
@@ -332,8 +336,8 @@ class _Reader:
         entry = self._named(key, entry)
         path: Path = (key, len(self.data[key]))
         self.marks[path] = mark
-        for field in entry:
-            self.marks[(*path, field)] = marks.get(field, mark)
+        for key_of_entry in entry:
+            self.marks[(*path, key_of_entry)] = marks.get(key_of_entry, mark)
         self.data[key].append(entry)
 
     def end(self) -> None:

@@ -1,4 +1,4 @@
-"""What an image of a scene's file is, as the file says: advice for the options of a render, of which no value depends."""
+"""Size and filter of the image that a file of another renderer asks for; no value depends on them."""
 
 from __future__ import annotations
 
