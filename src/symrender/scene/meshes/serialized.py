@@ -64,10 +64,9 @@ def read_serialized(data: bytes, part: int) -> Net:
     net = Net()
     net.vertices = places.tolist()
     net.polygons = [(corners, f"mesh {part}: triangle {row}") for row, corners in enumerate(faces.tolist())]
-    if normals is not None:
-        net.normals = normals.tolist()
-    if coordinates is not None:
-        net.uv = coordinates.tolist()
+    for name, rows in (("normals", normals), ("uv", coordinates)):
+        if rows is not None and hasattr(net, name):
+            setattr(net, name, rows.tolist())
     return net
 
 

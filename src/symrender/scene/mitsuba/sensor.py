@@ -75,7 +75,7 @@ def film(element: Element | None) -> Film:
     kind = str(element.attributes.get("type"))
     if kind not in _FILMS:
         raise properties.wrong("must be hdrfilm")
-    made = Film(*(int(properties.number(name, size)) for name, size in zip(("width", "height"), SIZE, strict=True)))
+    made = Film(int(properties.number("width", SIZE[0])), int(properties.number("height", SIZE[1])))
     if min(made.width, made.height) < 1:
         raise properties.wrong(f"width and height must be at least 1, got {made.width} and {made.height}")
     filters = properties.parts("rfilter")

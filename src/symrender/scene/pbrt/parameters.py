@@ -115,7 +115,7 @@ class Parameters:
             raise self.wrong(name, f"must be {wanted}, got {shown}{f': {why}' if why else ''}")
 
     def colour(self, name: str, kind: str, opener: Opener, default: Rgb | None = None) -> Rgb | None:
-        """A colour in linear RGB, of what ``emits`` (at luminance 1 where it is no rgb), ``reflects``, or an ``index``."""
+        """A colour in linear RGB of what ``emits`` (at luminance 1 if it is no rgb), ``reflects``, or of an ``index``."""
         found = self.take(name, "rgb", "spectrum", "blackbody", "float")
         if found is None:
             return default
