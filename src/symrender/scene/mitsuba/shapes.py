@@ -139,7 +139,7 @@ def _across(matrix: Array, axis: Array) -> float | None:
     u, v, w = (matrix[:3, :3] @ direction for direction in (first, np.cross(unit, first), unit))
     size = float(np.linalg.norm(u))
     skewed = (abs(u @ v) / size**2, abs(u @ w) / (size * np.linalg.norm(w)), abs(np.linalg.norm(v) / size - 1.0))
-    return size if max(skewed) <= ROUNDING else None
+    return size if all(float(x) <= ROUNDING for x in skewed) else None
 
 
 def _plane(properties: Properties, matrix: Array, plane: dict[str, list[float]]) -> Made:

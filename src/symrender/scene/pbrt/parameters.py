@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -46,7 +47,7 @@ class Parameters:
         self.mark = directive.mark
         self._left = dict(directive.parameters)
 
-    def beside(self, defaults: dict[str, Parameter]) -> Parameters:
+    def beside(self, defaults: Mapping[str, Parameter]) -> Parameters:
         """These parameters, and those of ``Attribute`` directives that stand above them."""
         if defaults:
             merged = {**defaults, **self.directive.parameters}
@@ -115,7 +116,7 @@ class Parameters:
             raise self.wrong(name, f"must be {wanted}, got {shown}{f': {why}' if why else ''}")
 
     def colour(self, name: str, kind: str, opener: Opener, default: Rgb | None = None) -> Rgb | None:
-        """A colour in linear RGB of what ``emits`` (at luminance 1 if it is no rgb), ``reflects``, or of an ``index``."""
+        """A colour in linear RGB, of what ``emits`` (of luminance 1 if no rgb), ``reflects``, or of an ``index``."""
         found = self.take(name, "rgb", "spectrum", "blackbody", "float")
         if found is None:
             return default
