@@ -2,7 +2,8 @@
 
 pbrt makes spectra of colours; here they are taken channel by channel, which is the same for grey ones and for lights.
 Surfaces of pbrt reflect on both sides, so materials are two-sided. pbrt's coordinates are left-handed: a camera that
-is not mirrored sees the scene of its mirror image, which is what is made of it.
+is not mirrored sees the scene of its mirror image, which is what is made of it. Long because all directives change one
+state.
 """
 
 from __future__ import annotations
