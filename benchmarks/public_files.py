@@ -41,18 +41,18 @@ def alarmed(*_: Any) -> None:
 
 
 def kind_of(path: Path) -> str:
-    """``mitsuba``, ``nori``, ``pbrt``, or nothing for what is no whole scene."""
+    """``mitsuba``, ``nori`` (or what is like it), ``pbrt``, or nothing for what is no whole scene."""
     text = path.read_bytes().decode("utf-8", "replace")
     if path.suffix == ".pbrt":
         return "pbrt" if re.search(r"^\s*WorldBegin", text, re.MULTILINE) and "Camera" in text else ""
     if not re.search(r"<scene[\s>]", text):
         return ""
-    if re.search(r"<camera[\s>]", text) and "<mesh" in text:
+    if re.search(r"<(?:camera|accel|mesh|brdf|world)[\s>]", text) and "<sensor" not in text:
         return "nori"
-    if "<sensor" in text or "<camera" in text:
-        return "mitsuba"
-    # a scene whose camera stands in a file that it includes has something of its own
-    return "mitsuba" if "<include" in text and not {"include", "fragments"} & {*path.parts} else ""
+    if {"include", "fragments"} & {*path.parts}:
+        # parts of scenes, which have a camera and lack what includes them
+        return ""
+    return "mitsuba" if any(tag in text for tag in ("<sensor", "<camera", "<include")) else ""
 
 
 def reasons(error: SceneError) -> list[str]:
