@@ -141,10 +141,10 @@ class Box(Part):
 class Mesh(Part):
     """Triangles that share vertices, counter-clockwise about their normals; opaque from both sides.
 
-    A file of the ending .obj, .ply or .serialized is read when the scene is loaded, beside which it lies: the scene then
-    holds its vertices and faces. Beside ``file`` may stand ``to_world`` (16 numbers, row by row), ``flip_faces``, and
-    ``part``, which mesh of a serialized file it is. A vertex v stands at ``position`` + ``scale`` v, turned about z. Each face has a texture of its
-    own, from its first vertex along its first edge.
+    A file of the ending .obj, .ply or .serialized is read when the scene is loaded, beside which it lies: the scene
+    then holds its vertices and faces. Beside ``file`` may stand ``to_world`` (16 numbers, row by row), ``flip_faces``,
+    and ``part``, which mesh of a serialized file it is. A vertex v stands at ``position`` + ``scale`` v, turned about
+    z. Each face has a texture of its own, from its first vertex along its first edge.
     """
 
     type: Literal["mesh"] = "mesh"
