@@ -332,7 +332,7 @@ def test_a_file_that_includes_itself_ends(tmp_path: Path) -> None:
     path = tmp_path / "case.pbrt"
     path.write_text(behind('Include "loop.pbrt"'))
     begun = time.process_time()
-    with pytest.raises(SceneError, match=r"loop\.pbrt:\d:1: Include: must be at most|at most 100000 directives"):
+    with pytest.raises(SceneError, match=r"loop\.pbrt:\d:1: Include: must be at most"):
         sr.load(path)
     assert in_processor_time(time.process_time() - begun, 10.0)
 

@@ -16,7 +16,7 @@ from pathlib import PurePath
 from typing import Any, Final
 
 from symrender.errors import SceneError
-from symrender.limits import MAX_DEPTH, MAX_FOREIGN_BYTES, MAX_KEYS, MAX_NAME, MAX_PART_NAME
+from symrender.limits import MAX_DEPTH, MAX_FOREIGN_BYTES, MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path, Problem, Unreadable, grouped
 from symrender.scene.files import Opener, found, within
 from symrender.scene.meshes.files import unzipped
@@ -47,6 +47,7 @@ _OLD_MATERIALS: Final = frozenset((
 _TARGETS: Final = {"Shape": "shape", "LightSource": "light", "AreaLightSource": "light", "Material": "material",
                    "MakeNamedMaterial": "material", "Texture": "texture"}  # fmt: skip
 _MOST_INSTANCES: Final = 1 << 16
+_MOST_FILES: Final = 4096
 _MOST_INCLUDES: Final = 16
 """Most files inside each other."""
 _NOTHING_MISSING: Final = {"bounces": 0, "camera": {"type": "look_at", "eye": [0, -1, 0], "target": [0, 0, 0]}}
@@ -131,10 +132,11 @@ class _Reader:
     def _include(self, directive: Directive, depth: int) -> None:
         (name,) = directive.strings
         self.files += 1
-        if depth >= _MOST_INCLUDES or self.files > MAX_KEYS:
-            raise Malformed(
-                f"must be at most {_MOST_INCLUDES} files inside each other", directive.mark, (directive.name,)
-            )
+        if self.files > _MOST_FILES:
+            raise Unreadable(f"must be at most {_MOST_FILES} files", directive.mark, (directive.name,))
+        if depth >= _MOST_INCLUDES:
+            wanted = f"must be at most {_MOST_INCLUDES} files inside each other"
+            raise Malformed(wanted, directive.mark, (directive.name,))
         try:
             path = found(name, [""], self.opener)
             data = unzipped(self.opener(path, MAX_FOREIGN_BYTES + 1), path, MAX_FOREIGN_BYTES)
