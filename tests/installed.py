@@ -107,6 +107,8 @@ def of_scene(name: str, number: str) -> None:
     verb("export", name, "--to", "glsl", "--force", "--quiet", "--out", f"{out}.glsl")
     verb("export", name, "--to", "mitsuba", "--size", "4", "--force", "--quiet", "--out", f"{out}_mitsuba")
     verb("export", name, "--to", "pbrt", "--size", "4", "--force", "--quiet", "--out", f"{out}_pbrt")
+    if Path(f"{out}_mitsuba/scene.xml").exists():
+        verb("convert", f"{out}_mitsuba/scene.xml", f"{out}_back.yaml", "--force", "--quiet")
     verb("animate", name, "--orbit", "2", *small, "--video", "none", "--lobe", "2", "--out", f"{out}_turn")
     verb("sweep", name, "--over", f"{number}=.5:.6:2", *small, "--lobe", "2", "--out", f"{out}_sweep")
     verb("simulator", name, "--force", "--quiet", "--out", f"{out}.html")

@@ -9,6 +9,8 @@ from typing import Final
 
 MAX_FILE_BYTES: Final = 1 << 21
 """Largest scene file, bytes."""
+MAX_FOREIGN_BYTES: Final = 1 << 25
+"""Largest scene file of another renderer, and most bytes of all files that one includes: they may hold meshes."""
 MAX_DEPTH: Final = 32
 """Deepest nesting of a scene file."""
 MAX_KEYS: Final = 100_000

@@ -93,114 +93,75 @@ XML: dict[str, tuple[str, ...]] = {
     "bsdf_default.xml": (),
     "bsdf_named.xml": (),
     "comment_first.xml": (),
-    "fov_missing.xml": (":4:1: sensor perspective: needs fov",),
-    "integrator_missing.xml": (":1:1: scene: needs one integrator, whose max_depth is the bounces + 2",),
-    "part.xml": (
-        ":1:1: scene: needs one integrator, whose max_depth is the bounces + 2",
-        ":1:1: scene: needs one sensor",
-    ),
+    "fov_missing.xml": (":4:1: sensor perspective: needs fov, whose axis fov_axis names",),
+    "integrator_missing.xml": (),
+    "part.xml": (":1:1: scene: needs one sensor",),
     "point_value.xml": (),
     "rectangle.xml": (),
     "ref_bsdf.xml": (),
     "ref_bsdf_named.xml": (),
     "rgb_hex.xml": (":9:115: rgb: must be numbers, got #808080",),
     "sampler.xml": (),
-    "spot_up_parallel.xml": (),
+    "spot_up_parallel.xml": (":10:49: lookat: up must not lie along the view",),
     "string_top.xml": (":2:1: boolean has no meaning here",),
     "version_2.xml": (),
     "xml_declaration.xml": (),
     "xml_text.xml": (":3:1: text between elements is not allowed, got stray words",),
 }
-XML_WAITING: dict[str, tuple[str, ...]] = {
-    "aov.xml": (":3:1: integrator aov: must be path or direct",),
-    "bitmap.xml": (":9:115: texture bitmap: no such texture here; known is checkerboard",),
-    "camera_chain.xml": (":6:1: sensor perspective: to_world must be one lookat",),
-    "camera_matrix.xml": (":6:1: sensor perspective: to_world must be one lookat",),
-    "checkerboard.xml": (":9:46: texture checkerboard: needs color0",),
-    "cube_matrix_y.xml": (":9:1: shape cube: to_world must scale, turn about z and move, in this order: no scene has",),
-    "cube_rotate_y.xml": (":9:20: shape cube: to_world must be one matrix",),
-    "default_parameter.xml": (":2:1: default has no meaning here",),
-    "depth_1.xml": (":3:1: integrator path: max_depth must be 2 (direct light), 3 (one bounce) or -1 (all),",),
-    "direct_samples.xml": (":3:27: integrator direct: emitter_samples has no meaning here",),
-    "directional_to_world.xml": (":10:1: emitter directional: needs direction",),
-    "emitter_default_constant.xml": (":10:1: emitter constant: needs radiance",),
-    "emitter_default_point.xml": (":10:1: emitter point: needs intensity",),
-    "envmap.xml": (":10:1: emitter envmap: no such emitter here",),
-    "film_banner.xml": (":7:112: film hdrfilm: banner has no meaning here",),
-    "film_crop.xml": (
-        ":7:91: film hdrfilm: crop_width has no meaning here",
-        ":7:129: film hdrfilm: crop_height has no meaning here",
-        ":7:168: film hdrfilm: crop_offset_x has no meaning here",
-        ":7:209: film hdrfilm: crop_offset_y has no meaning here",
+XML |= dict.fromkeys(
+    (
+        "aov.xml", "camera_chain.xml", "camera_matrix.xml", "cube_matrix_y.xml", "cube_rotate_y.xml",
+        "default_parameter.xml", "depth_1.xml", "direct_samples.xml", "directional_to_world.xml",
+        "emitter_default_constant.xml", "emitter_default_point.xml", "film_banner.xml", "film_crop.xml",
+        "film_missing.xml", "float_reflectance.xml", "focus_distance.xml", "fov_axis_default.xml", "path.xml",
+        "rectangle_flip.xml", "rfilter_default.xml", "rfilter_gaussian.xml", "shape_no_bsdf.xml",
+        "spectrum_constant.xml", "sphere_defaults.xml", "spot_lookat.xml", "volpath.xml",
     ),
-    "film_missing.xml": (":4:1: sensor perspective: needs a film with an rfilter box; without one Mitsuba filters",),
-    "float_reflectance.xml": (":9:115: bsdf diffuse: reflectance must be rgb or texture, got float",),
-    "focus_distance.xml": (":8:1: sensor perspective: focus_distance has no meaning here",),
-    "fov_axis_default.xml": (":4:1: sensor perspective: fov_axis must be y: fov is the vertical field of view",),
-    "path.xml": (":2:1: path has no meaning here",),
-    "plastic.xml": (":9:94: bsdf plastic: no such material here",),
-    "principled.xml": (":9:94: bsdf principled: no such material here",),
-    "rectangle_flip.xml": (":9:25: shape rectangle: flip_normals has no meaning here",),
-    "ref_texture.xml": (
-        ":2:1: texture checkerboard has no meaning here",
-        ":9:115: bsdf diffuse: reflectance must be rgb or texture, got ref",
-    ),
-    "rfilter_default.xml": (":7:1: film hdrfilm: needs an rfilter box; without one Mitsuba filters by a Gaussian",),
-    "rfilter_gaussian.xml": (":7:1: film hdrfilm: needs an rfilter box; without one Mitsuba filters by a Gaussian",),
-    "roughconductor_Au.xml": (":9:94: bsdf roughconductor: needs eta",),
-    "shape_no_bsdf.xml": (":9:1: shape sphere: needs one bsdf, or a ref to one, got 0",),
-    "spectrum_constant.xml": (":9:115: bsdf diffuse: reflectance must be rgb or texture, got spectrum",),
-    "sphere_defaults.xml": (":9:1: shape sphere: needs center",),
-    "spot_lookat.xml": (":10:22: emitter spot: to_world must be a lookat from 0, 0, 0 and a translate",),
-    "volpath.xml": (":3:1: integrator volpath: must be path or direct",),
+    (),
+)  # fmt: skip
+XML |= {
+    "bitmap.xml": (":9:115: texture bitmap: ",),
+    "envmap.xml": (":10:1: emitter envmap: ",),
 }
-"""Refused today, line by line; each has a meaning that a scene will be able to say."""
+XML |= dict.fromkeys(("checkerboard.xml", "plastic.xml", "ref_texture.xml", "roughconductor_Au.xml"), ())
+XML |= {"principled.xml": (":9:94: bsdf principled: no such material here",)}
 PBRT: dict[str, tuple[str, ...]] = {
     "area.pbrt": (),
     "area_reverse.pbrt": (":12:1: Shape: must not emit behind ReverseOrientation or a mirroring, which turn the side",),
     "base.pbrt": (),
     "bom.pbrt": (),
     "colorspace.pbrt": (),
-    "conductor_default.pbrt": (":9:1: Material: must have eta: pbrt takes that of copper otherwise, a spectrum",),
     "crlf.pbrt": (),
     "cropwindow.pbrt": (),
     "landscape.pbrt": (),
-    "lens.pbrt": (":3:39: Camera.lensradius: must be 0, got 0.1: a scene has a pinhole",),
+    "lens.pbrt": (),
     "lens_zero.pbrt": (),
     "light_default.pbrt": (),
     "material_default.pbrt": (),
-    "maxcomponent.pbrt": (":4:66: Film.maxcomponentvalue: must be left out, got float",),
-    "no_mirror.pbrt": (":2:1: Camera: must stand behind `Scale -1 1 1`: coordinates of pbrt are left-handed, and",),
-    "option.pbrt": (":1:1: Option: must be disablepixeljitter, disabletexturefiltering, seed, got bool",),
+    "maxcomponent.pbrt": (),
+    "no_mirror.pbrt": (),
+    "option.pbrt": (":1:1: Option: must be disablepixeljitter, disabletexturefiltering,",),
     "param_no_bracket.pbrt": (),
     "portrait.pbrt": (),
-    "remap_default.pbrt": (
-        ":9:1: Material.remaproughness: must be false, got true: pbrt would take the roughness for",
-    ),
+    "remap_default.pbrt": (),
     "reverse.pbrt": (),
-    "rgb_light.pbrt": (":8:21: LightSource.I: must be three equal numbers, got 10 9 8: pbrt makes a spectrum of",),
+    "rgb_light.pbrt": (),
     "sensor_iso.pbrt": (),
     "spot.pbrt": (),
     "trianglemesh_quad.pbrt": (),
     "trianglemesh_uv.pbrt": (),
-    "v3_color.pbrt": (":9:18: Material.Kd: must be of a type such as float or rgb, got color",),
+    "v3_color.pbrt": (":9:1: must be a file of pbrt-v4, got one of an earlier version by its Material",),
     "world_transform.pbrt": (),
 }
-PBRT_WAITING: dict[str, tuple[str, ...]] = {
-    "attribute.pbrt": (":8:1: Attribute: must not be there: parameters stand with what they belong to",),
-    "bilinearmesh.pbrt": (":10:1: Shape: must be sphere, disk or trianglemesh, got bilinearmesh, a shape not read",),
-    "depth_5.pbrt": (":6:19: Integrator.maxdepth: must be 1 (direct light), 2 (one bounce) or 1000000 and more",),
-    "depth_default.pbrt": (":6:1: Integrator.maxdepth: must be 1 (direct light), 2 (one bounce) or 1000000 and more",),
-    "filter_gaussian.pbrt": (
-        ":5:1: PixelFilter: must be box, got gaussian: values would be means over other pixels too",
+PBRT |= dict.fromkeys(
+    (
+        "attribute.pbrt", "bilinearmesh.pbrt", "depth_5.pbrt", "depth_default.pbrt", "filter_gaussian.pbrt",
+        "integrator_default.pbrt", "trianglemesh.pbrt", "trianglemesh_N.pbrt", "volpath.pbrt",
     ),
-    "imagemap.pbrt": (":9:1: Texture: must be of numbers, got imagemap: nothing beside the file itself is opened",),
-    "integrator_default.pbrt": (':1:1: Integrator: must be "path" with maxdepth 1, 2 or all, got none',),
-    "trianglemesh.pbrt": (":10:69: Shape.indices: must be one triangle (0 1 2), one parallelogram (0 1 2 0 2 3), or",),
-    "trianglemesh_N.pbrt": (":10:95: Shape.N: must be left out, got normal",),
-    "volpath.pbrt": (":6:1: Integrator: must be path, got volpath: others have other light, or other limits",),
-}
-"""Refused today, line by line; each has a meaning that a scene will be able to say."""
+    (),
+)  # fmt: skip
+PBRT |= {"imagemap.pbrt": (":9:35: Texture.filename: ",)}
+PBRT |= {"conductor_default.pbrt": ()}
 
 
 def scene_of(name: str) -> dict[str, Any]:
@@ -220,8 +181,8 @@ def area_of(mesh: Mesh) -> float:
 def test_every_file_is_in_one_table() -> None:
     found = {path.name for path in (CASES / "mesh").iterdir() if path.suffix != ".yaml"}
     assert found == MESHES.keys() | REFUSED_MESHES.keys() and len(found) > 60
-    for kind, tables in (("xml", (XML, XML_WAITING)), ("pbrt", (PBRT, PBRT_WAITING))):
-        assert {path.name for path in (CASES / kind).glob(f"*.{kind}")} == {name for table in tables for name in table}
+    for kind, table in (("xml", XML), ("pbrt", PBRT)):
+        assert {path.name for path in (CASES / kind).glob(f"*.{kind}")} == table.keys()
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -249,7 +210,7 @@ def test_a_ray_looks_through_the_notch_of_a_turned_dart() -> None:
 
 @pytest.mark.parametrize("kind", ["xml", "pbrt"])
 def test_a_scene_loads_or_every_problem_of_it_is_told(kind: str) -> None:
-    tables = {"xml": XML | XML_WAITING, "pbrt": PBRT | PBRT_WAITING}[kind]
+    tables = {"xml": XML, "pbrt": PBRT}[kind]
     loaded = 0
     for name, told in tables.items():
         path = CASES / kind / name
@@ -261,4 +222,4 @@ def test_a_scene_loads_or_every_problem_of_it_is_told(kind: str) -> None:
         else:
             assert not told, name
             loaded += 1
-    assert loaded >= 13 and len(tables) - loaded >= 15
+    assert loaded >= 30 and len(tables) - loaded >= 4

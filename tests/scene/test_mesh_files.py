@@ -111,7 +111,7 @@ HOSTILE = [
     ("a.ply", PLY.replace("vertex_indices", "others"), r"must have a property 'vertex_indices'"),
     ("a.ply", PLY.replace("ascii", "binary_big_endian"), r"a.ply: "),
     ("a.ply", b"\xff\xfe\x00end_header", r"a.ply: "),
-    ("a.stl", "solid", r"a.stl: must be a file ending in .obj or .ply"),
+    ("a.stl", "solid", r"a.stl: must be a file ending in .obj, .ply or .serialized"),
 ]
 
 

@@ -56,17 +56,33 @@ CASES = {
     "guess": (behind('LightSorce "point"'), r"got LightSorce, did you mean 'LightSource'"),
     "word": (behind("<scene/>"), r"must be a directive, got <scene/>"),
     "string": (behind('"float a" 1 1'), r"must be a directive, got the string .float a"),
-    "include": (behind('Include "SECRET"'), r"Include: must not be there: nothing beside the file itself is opened"),
-    "import": (behind('Import "SECRET"'), r"Import: must not be there: nothing beside the file itself is opened"),
-    "object": (behind('ObjectBegin "a"'), r"ObjectBegin: must not be there: a scene has no instances"),
+    "include": (behind('Include "SECRET"'), r"Include: .*secret: must be a regular file"),
+    "import": (behind('Import "SECRET"'), r"Import: .*secret: must be a regular file"),
+    "include outside": (behind('Include "../a.pbrt"'), r"Include: \.\./a\.pbrt: lies outside the folder of the scene"),
+    "old": (behind('Material "matte" "color Kd" [ 1 1 1 ]'), r"must be a file of pbrt-v4, got .* Material .matte."),
+    "no object": (behind('ObjectInstance "a"'), r"ObjectInstance: must be an object given before, got a"),
+    "long numbers": (
+        behind('Shape "trianglemesh" "point3 P" [ ' + "1 2 3 " * 30 + "4 ]"),
+        r"must be point3, made of 3 values, got 91",
+    ),
+    "metals": (
+        changed("[ 300 .4 900 .4 ]", '"metal-Au-eta"').replace("[ 300 2 900 2 ]", '"metal-Ag-k"'),
+        r"Material\.eta: must be of one metal of metal-Ag",
+    ),
+    "dispersive": (
+        behind('Material "dielectric" "spectrum eta" [ 400 1.5 700 1.6 ]'),
+        r"eta: must be one number at all",
+    ),
+    "bent": (
+        behind('Shape "bilinearmesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]'),
+        r"Shape\.P: must be flat patches",
+    ),
     "area": (behind('AreaLightSource "goniometric"'), r"AreaLightSource: must be diffuse"),
     "area on both sides": (behind('AreaLightSource "diffuse" "bool twosided" true'), r"twosided: must be false"),
     "area by power": (behind('AreaLightSource "diffuse" "float power" 9'), r"power: must be left out"),
-    "area that is coloured": (behind('AreaLightSource "diffuse" "rgb L" [ 1 2 3 ]'), r"three grey files"),
     "medium": (behind('MediumInterface "a" ""'), r"MediumInterface: must not be there: a scene has no media"),
     "time": (behind("ActiveTransform EndTime"), r"ActiveTransform: must not be there: nothing moves"),
-    "transform": (behind("TransformBegin"), r"TransformBegin: must not be there: AttributeBegin"),
-    "world end": (behind("WorldEnd"), r"WorldEnd: must not be there"),
+    "world end": (behind("WorldEnd"), r"must be a file of pbrt-v4, got one of an earlier version by its WorldEnd"),
     "deep": (behind("AttributeBegin\n" * 5000), r"AttributeBegin: nesting must be at most 32 deep"),
     "brackets": (behind('Shape "sphere" "float radius" ' + "[" * 5000), r"a bracket within brackets"),
     "many": (behind("Identity\n" * 120000), r"may hold at most 100000 directives, parameters and comments"),
@@ -131,18 +147,9 @@ CASES = {
         behind('Shape "disk" "float innerradius" .5'),
         r"innerradius: must be 0, got 0\.5: rings are not",
     ),
-    "bilinear": (behind('Shape "bilinearmesh" "point3 P" [ 0 0 0 ]'), r"got bilinearmesh, a shape not read"),
-    "ply": (behind('Shape "plymesh" "string filename" "SECRET"'), r"got plymesh, a shape not read"),
-    "mesh": (
-        behind('Shape "trianglemesh" "integer indices" [ 0 1 2 ] "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 0 1 2 0 ]'),
-        r"Shape\.indices: must be one triangle \(0 1 2\), one parallelogram",
-    ),
+    "ply": (behind('Shape "plymesh" "string filename" "SECRET"'), r"Shape\.filename: .*secret: must be a regular file"),
     "another plane": (changed("plane: point 0.0 0.0", "plane: point 0.0 0.1"), r"Shape\.P: must be the square"),
     "no normal": (changed("normal 0.0 0.0 1.0", "normal 0.0 0.0 0.0"), r"must have a comment that names a plane"),
-    "no parallelogram": (
-        behind('Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [0 0 0 1 0 0 1 1 0 0 2 0]'),
-        r"Shape\.P: must be the corners of a parallelogram",
-    ),
     "moved plane": (changed("  # symrender plane", "Translate 0 0 1\n  # symrender plane"), r"where no transform is"),
     "indices": (changed("0 1 2 0 2 3", "0 1 2 0 2 1"), r"Shape\.indices: must be 0 1 2 0 2 3"),
     "chart": (changed('vscale" -4', 'vscale" 4'), r"Shape: must have fields of one side from its top"),
@@ -155,15 +162,11 @@ CASES = {
     "mapping": (changed('"float uscale" 8', '"string mapping" "planar"'), r"Texture\.mapping: must be uv, got planar"),
     "image": (
         behind('Texture "i" "spectrum" "imagemap" "string filename" "SECRET"'),
-        r"Texture: .*got imagemap: nothing",
-    ),
-    "float texture": (
-        behind('Texture "i" "float" "constant" "float value" 1'),
-        r"Texture: must be spectrum, got float",
+        r"Texture\.filename: .*secret: must be a regular file",
     ),
     "marble": (
         behind('Texture "i" "spectrum" "marble"'),
-        r"Texture: must be constant, scale or checkerboard, got marble",
+        r"Texture: must be constant, scale, checkerboard or imagemap, got marble",
     ),
     "texture twice": (behind('Texture "fields" "spectrum" "constant"'), r"Texture: must have a name of its own"),
     "no texture": (
@@ -175,47 +178,20 @@ CASES = {
         r"MakeNamedMaterial: must have a name of its own, got grey as on line \d+",
     ),
     "not named": (behind('NamedMaterial "blue"'), r"NamedMaterial: must be a material given before, got blue"),
-    "material": (behind('Material "dielectric"'), r"Material: must be diffuse or conductor, got dielectric"),
-    "remapped": (
-        changed('"bool remaproughness" false', ""),
-        r"Material\.?\w*: must be false, got true: pbrt would take",
-    ),
-    "smooth": (
-        changed('roughness" [ .2 ]', 'roughness" [ 0 ]'),
-        r"Material\.roughness: must be at least 0\.001, got 0",
-    ),
     "unlike": (changed('"float roughness" [ .2 ]', '"float uroughness" .2'), r"must be 0\.2, got 0: facets"),
-    "copper": (changed('"spectrum eta" [ 300 .4 900 .4 ]', ""), r"Material: must have eta: pbrt takes that of copper"),
-    "gold": (changed("[ 300 .4 900 .4 ]", '"metal-Au-eta"'), r"Material\.eta: must be one number at all wavelengths"),
-    "spectral": (changed("900 .4 ]", "900 .5 ]"), r"Material\.eta: must be one number from 360 to 830 nm, got"),
-    "narrow": (changed("[ 300 .4 900 .4 ]", "[ 400 .4 700 .4 ]"), r"Material\.eta: must be one number from 360 to 830"),
-    "from 400": (
-        changed("[ 300 .4 900 .4 ]", "[ 400 .4 900 .4 ]"),
-        r"Material\.eta: must be one number from 360 to 830",
-    ),
-    "up to 700": (
-        changed("[ 300 .4 900 .4 ]", "[ 300 .4 700 .4 ]"),
-        r"Material\.eta: must be one number from 360 to 830",
-    ),
-    "float eta": (
-        changed('"spectrum eta" [ 300 .4 900 .4 ]', '"float eta" .4'),
-        r"eta: must be rgb or spectrum.*got float",
+    "copper": (
+        changed('"spectrum eta" [ 300 .4 900 .4 ]', ""),
+        r"Material: must have eta and k, or none of them, got no eta",
     ),
     "factor": (
         changed('"spectrum eta"', '"rgb reflectance" [ 1 1 1 ] "spectrum eta"'),
         r"Material\.reflectance: must be",
     ),
     "displaced": (behind('Material "diffuse" "texture displacement" "fields"'), r"displacement: must be left out"),
-    "colored": (
-        behind('LightSource "point" "rgb I" [ 1 2 3 ]'),
-        r"LightSource\.I: must be three equal numbers, got 1 2 3: pbrt makes .* three grey files, as `symrender",
-    ),
-    "blackbody": (behind('LightSource "point" "blackbody I" 6500'), r"LightSource\.I: must be rgb .* got blackbody"),
-    "light spectrum": (behind('LightSource "point" "spectrum I" [ 300 1 900 1 ]'), r"I: must be rgb .* got spectrum"),
     "power": (behind('LightSource "point" "float power" 60'), r"LightSource\.power: must be left out"),
     "sky image": (
         behind('LightSource "infinite" "string filename" "SECRET"'),
-        r"LightSource\.filename: must be left out",
+        r"LightSource\.filename: .*secret: must be a regular file",
     ),
     "goniometric light": (
         behind('LightSource "goniometric"'),
@@ -230,15 +206,10 @@ CASES = {
     "two cameras": (changed("WorldBegin", 'Camera "perspective"\nWorldBegin'), r"Camera: must be given once"),
     "mirrored": (
         changed("Scale -1 1 1", ""),
-        r"Camera: must stand behind `Scale -1 1 1`: coordinates of pbrt are left",
+        r"Shape: must stand where no transform is: its comment names places of the world",
     ),
     "skewed": (changed("Scale -1 1 1", "Scale -1 2 1"), r"Camera: must stand where a look-at camera can"),
     "singular": (changed("Scale -1 1 1", "Scale 0 1 1"), r"Camera: must stand where a look-at camera can"),
-    "lens": (changed('"float fov"', '"float lensradius" .1 "float fov"'), r"Camera\.lensradius: must be 0, got 0\.1"),
-    "shutter": (
-        changed('"float fov"', '"float shutterclose" .5 "float fov"'),
-        r"shutterclose: must open the shutter for 1",
-    ),
     "orthographic": (changed('"perspective"', '"orthographic"'), r"Camera: must be perspective, got orthographic"),
     "window": (
         changed('"float screenwindow" [ -', '"float screenwindow" [ -9'),
@@ -249,21 +220,7 @@ CASES = {
         changed('xresolution" [ 40 ]', 'xresolution" [ 0 ]'),
         r"Film\.xresolution: must be at least 1, got 0",
     ),
-    "sensor": (changed('"cie1931"', '"canon_eos_100d"'), r"Film\.sensor: must be cie1931, got canon"),
-    "iso": (changed('"bool savefp16"', '"float iso" 200 "bool savefp16"'), r"Film\.iso: must be 100, got 200"),
-    "clamped": (
-        changed('"bool savefp16"', '"float maxcomponentvalue" 1 "bool savefp16"'),
-        r"maxcomponentvalue: must be",
-    ),
-    "gaussian": (changed('PixelFilter "box"', 'PixelFilter "gaussian"'), r"PixelFilter: must be box, got gaussian"),
-    "wide box": (changed('"float xradius" [ 0.5 ]', '"float xradius" 1'), r"PixelFilter\.xradius: must be 0\.5, got 1"),
-    "no filter": (changed("PixelFilter", "#"), r"PixelFilter: must be .box.; without one pbrt filters by a Gaussian"),
-    "no integrator": (changed("Integrator", "#"), r"Integrator: must be .path."),
-    "volpath": (changed('Integrator "path"', 'Integrator "volpath"'), r"Integrator: must be path, got volpath"),
-    "depth": (
-        changed('maxdepth" [ 2 ]', 'maxdepth" [ 5 ]'),
-        r"Integrator\.maxdepth: must be 1 \(direct light\).*got 5",
-    ),
+    "wide box": (changed('"float xradius" [ 0.5 ]', '"float xradius" 1'), r"PixelFilter\.yradius: must be 1, got 0\.5"),
     "no world": (changed("WorldBegin", ""), r"must stand behind WorldBegin"),
     "control": (behind("\x1b[31mRed"), r"must be a directive, got \\x1b"),
 }
@@ -298,15 +255,15 @@ def test_all_faults_of_a_file_are_told_together(tmp_path: Path) -> None:
     path = tmp_path / "case.pbrt"
     text = behind(
         'Include "a"\nFoo 1 "x"\nBar\nShape "sphere" "float radius" -1\nShape "cone"\n'
-        'MakeNamedMaterial "m" "string type" "glass"\nNamedMaterial "m"\nTexture "t" "spectrum" "imagemap"\n'
+        'MakeNamedMaterial "m" "string type" "hair"\nNamedMaterial "m"\nTexture "t" "spectrum" "imagemap"\n'
         'Material "diffuse" "texture reflectance" "t"\nShape "sphere" "float zmax" .2 "float alpha" 1\nLightSource 3'
     )
-    path.write_text(text.replace('maxdepth" [ 2 ]', 'maxdepth" [ 9 ]'))
+    path.write_text(text.replace('maxdepth" [ 2 ]', 'maxdepth" [ -9 ]'))
     with pytest.raises(SceneError) as caught:
         sr.load(path)
     lines = str(caught.value).splitlines()
-    told = ("Integrator.maxdepth", "Include: must not", "got Foo", "got Bar", "radius: must be > 0", "got cone",
-            "MakeNamedMaterial", "Texture: must be of numbers", "zmax: must be",
+    told = ("Integrator.maxdepth", "Include: ", "got Foo", "got Bar", "radius: must be > 0", "got cone",
+            "MakeNamedMaterial", "Texture: must have a filename", "zmax: must be",
             "LightSource: must be a string")  # fmt: skip
     assert len(lines) == len(told), lines
     assert all(part in line for part, line in zip(told, lines, strict=True)), lines
@@ -331,9 +288,9 @@ def test_a_mark_is_line_and_column_of_the_parameter(tmp_path: Path) -> None:
 
 def test_files_are_as_large_as_scenes_may_be(tmp_path: Path) -> None:
     path = tmp_path / "case.pbrt"
-    path.write_text("1 " * 10_000_000)
+    path.write_text("1 " * 20_000_000)
     begun = time.process_time()
-    with pytest.raises(SceneError, match="may hold at most 2097152 bytes"):
+    with pytest.raises(SceneError, match="may hold at most 33554432 bytes"):
         sr.load(path)
     path.write_text("1 " * 500_000)
     with pytest.raises(SceneError, match="must be a directive, got 1"):
@@ -368,6 +325,16 @@ def test_nothing_beside_the_file_is_opened(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr("builtins.open", lambda *a, **k: pytest.fail(f"opened {a}"))
     assert len(sr.load(path).shapes) >= 4  # type: ignore[attr-defined]
     assert opened == [str(path)]
+
+
+def test_a_file_that_includes_itself_ends(tmp_path: Path) -> None:
+    (tmp_path / "loop.pbrt").write_text('Identity\nInclude "loop.pbrt"\nInclude "loop.pbrt"\n')
+    path = tmp_path / "case.pbrt"
+    path.write_text(behind('Include "loop.pbrt"'))
+    begun = time.process_time()
+    with pytest.raises(SceneError, match=r"loop\.pbrt:\d:1: Include: must be at most"):
+        sr.load(path)
+    assert in_processor_time(time.process_time() - begun, 10.0)
 
 
 def test_numbers_at_the_ends_are_refused_or_loaded(tmp_path: Path) -> None:

@@ -14,10 +14,12 @@ from collections.abc import Sequence
 from symrender.cli._deadline import ends_in_time
 from symrender.cli._signals import interruptible
 from symrender.errors import SceneError, SymrenderError
+from symrender.scene.files import outside_allowed
 
 _INTERRUPTED = 130
 _OUTPUT_FAILED = 74
 _FAULT = 70
+_ALLOW = "--allow-outside"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -39,8 +41,9 @@ def _run(arguments: list[str]) -> int:
         with interruptible():
             from symrender.cli._application import application
 
-            given = [a for a in arguments if a != "--debug"]
-            code = application(given).main(given, "symrender", standalone_mode=False)
+            given = [a for a in arguments if a not in ("--debug", _ALLOW)]
+            with outside_allowed(_ALLOW in arguments):
+                code = application(given).main(given, "symrender", standalone_mode=False)
             sys.stdout.flush()
     except KeyboardInterrupt:
         code = _INTERRUPTED

@@ -25,7 +25,7 @@ PANELS = {
     "Draw": ("demo", "render", "truth", "gradient", "animate", "sweep"),
     "Ask": ("probe", "expression", "fit", "study"),
     "Look": ("info", "view", "compare", "audit", "simulator", "chapter", "lab"),
-    "Carry": ("export", "suite"),
+    "Carry": ("convert", "export", "suite"),
     "Know": ("scenes", "params", "doctor", "cite"),
 }
 """The verbs by what one wants, as the help groups them."""
@@ -67,6 +67,10 @@ def application(arguments: Sequence[str] = ()) -> Any:
             bool, typer.Option(_VERSION, callback=_version, is_eager=True, help="Print the version.")
         ] = False,
         debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+        allow_outside: Annotated[
+            bool,
+            typer.Option("--allow-outside", help="Let scenes of Mitsuba and pbrt name files outside their folder."),
+        ] = False,
     ) -> None:
         """The oracle for rendering: glossy reflection integrated numerically and symbolically, errors stated.
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from symrender.cli._console import native_output_hidden, show_json, show_table
 from symrender.cli._means import FilterOption
 from symrender.cli._options import IMAGES, Define, Json, any_scene_with
+
+if TYPE_CHECKING:
+    from symrender.scene.radiometric.film import Film
 
 
 def info(
@@ -63,12 +66,20 @@ def _scene(source: str, define: Define, filter: FilterOption) -> dict[str, Any]:
     settings = Settings(filter=filter, method="auto")
     return facts | {
         "units": "radiometric",
-        "bounces": found.model_dump()["bounces"],
+        "bounces": found.bounces,
+        **({"film": _film(found.film)} if found.film is not None else {}),
         "shapes": dict(Counter(each.type for each in found.shapes)),
         "materials": dict(Counter(each.type for each in found.materials.values())),
         "lights": dict(Counter(each.type for each in found.lights)),
         "providers": plan_of(radiometric_arrays(found), settings).providers(),
     }
+
+
+def _film(film: Film) -> dict[str, str]:
+    """What image the file of another renderer asks for."""
+    radius = "" if film.filter_radius is None else f" --filter-radius {film.filter_radius:g}"
+    due = {"size": f"--size {film.width}x{film.height}", "filter": f"--filter {film.filter}{radius}"}
+    return due | {f"note {number}": note for number, note in enumerate(film.notes.split("; "), 1) if note}
 
 
 def _image(file: Path, scene: bool, json: bool) -> None:

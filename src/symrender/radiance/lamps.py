@@ -126,7 +126,7 @@ def seen_radiance(arrays: RadiometricArrays, settings: Settings, columns: Ints, 
 def _brightest(detail: Detail, light: Light, ways: Array, spread: Array) -> Array:
     """Largest radiance of an environment within cones about N unit directions, ``spread`` (N,) wide.
 
-    Of every cone all pixels count that lie within its polar angles and azimuths, and those beside them.
+    Of every cone all pixels count that lie within its polar angles and azimuths, and their neighbours.
     """
     picture = detail.pictures[int(light.emitter)]
     wide, high, start = int(picture.wide), int(picture.high), int(picture.start)

@@ -45,7 +45,7 @@ def node_tolerance(tol: float) -> float:
 
 
 def direct_budget(settings: Settings) -> int:
-    """Evaluations that direct light of a pixel takes beside bounced light."""
+    """Evaluations that direct light of a pixel takes in addition to bounced light."""
     return max(1, int(DIRECT_SHARE * settings.budget)) if settings.strict else settings.budget
 
 

@@ -47,11 +47,12 @@ def _said(value: Any) -> Any:
 def canonical(scene: Part) -> str:
     """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
 
-    ``name``, ``description`` and the notes of meshes are left out, for no image depends on them. -0.0 is 0.0. A scene
+    ``name``, ``description``, ``film`` and the notes of meshes are left out, for no image depends on them. -0.0 is 0.0.
+    A scene
     without planes says nothing of them, as before there were any, nor does one of what does not move, a lens without a
     width, no exposure, and one without a bump no bump.
     """
-    data = _said(scene.model_dump(mode="python", exclude={"name", "description"}))
+    data = _said(scene.model_dump(mode="python", exclude={"name", "description", "film"}))
     if not data.get("planes"):
         data.pop("planes", None)
     return json.dumps(_canonical(data), sort_keys=True, separators=(",", ":"), ensure_ascii=True)

@@ -16,10 +16,14 @@ _PATH_SHOWN: Final = 100
 
 
 class Mark(NamedTuple):
-    """Where a key, or an item of a list, begins in its text: line and column, both from 1."""
+    """Where a key, or an item of a list, begins in its text: line and column, both from 1.
+
+    ``file`` names the file where that is not the document's own, but one that it includes.
+    """
 
     line: int
     column: int
+    file: str = ""
 
     @classmethod
     def at(cls, text: str, index: int) -> Mark:
@@ -99,9 +103,30 @@ class Document:
     def describe(self, problem: Problem) -> str:
         """One line: origin, line and column, path, message, as far as each is known."""
         mark = problem.mark or self.mark(problem.path)
-        origin = printable(self.origin, _PATH_SHOWN)
+        origin = printable((mark.file if mark else "") or self.origin, _PATH_SHOWN)
         where = f"{origin}:{mark.line}:{mark.column}" if origin and mark else origin
         return ": ".join(part for part in (where, self.label(problem.path), problem.message) if part)
+
+
+def grouped(problems: Sequence[Problem]) -> list[Problem]:
+    """One problem for all that say the same of the same thing: it stands where the first does, and counts the others.
+
+    In the order of the text, those of the document's own file first.
+    """
+    kinds: dict[tuple[Path, str], list[Problem]] = {}
+    for problem in dict.fromkeys(problems):
+        kinds.setdefault((problem.path, problem.message), []).append(problem)
+    lines = []
+    for same in kinds.values():
+        same.sort(key=_place)
+        more = f" ({len(same)} times, first here)" if len(same) > 1 else ""
+        lines.append(Problem(same[0].path, same[0].message + more, same[0].mark))
+    return sorted(lines, key=_place)
+
+
+def _place(problem: Problem) -> tuple[str, int, int]:
+    mark = problem.mark or Mark(0, 0)
+    return mark.file, mark.line, mark.column
 
 
 def failure(document: Document, problems: Sequence[Problem], unlisted: int = 0) -> SceneError:

@@ -32,8 +32,11 @@ def _flow(value: Any) -> str:
     return _quoted(value) if isinstance(value, str) else json.dumps(value)
 
 
-def _lines(data: dict[str, Any]) -> Iterator[str]:
+def yaml_lines(data: dict[str, Any]) -> Iterator[str]:
+    """The lines of plain data of a scene as YAML."""
     for key, value in data.items():
+        if value is None:
+            continue
         if isinstance(value, dict):
             yield f"{key}:"
             yield from (f"  {name}: {_flow(entry)}" for name, entry in value.items())
@@ -48,7 +51,7 @@ def _lines(data: dict[str, Any]) -> Iterator[str]:
 
 def to_yaml(scene: Part) -> str:
     """``scene`` as YAML, every value written out; loading it gives an equal scene with equal bits."""
-    return "\n".join(_lines(scene.model_dump(mode="python"))) + "\n"
+    return "\n".join(yaml_lines(scene.model_dump(mode="python"))) + "\n"
 
 
 def to_json(scene: Part) -> str:

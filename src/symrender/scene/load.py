@@ -9,10 +9,11 @@ from pathlib import PurePath
 from typing import Any, Final
 
 from symrender.errors import SceneError, Unsupported
-from symrender.limits import MAX_KEYS
+from symrender.limits import MAX_FOREIGN_BYTES, MAX_KEYS
 from symrender.scene import gallery
 from symrender.scene.document import Document, Malformed, Mark, Problem, failure
-from symrender.scene.meshes.files import Opener, beside, with_meshes
+from symrender.scene.files import Opener, beside, within
+from symrender.scene.meshes.files import with_meshes
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.parse_json import parse_json
 from symrender.scene.parse_toml import parse_toml
@@ -25,32 +26,36 @@ from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
 from symrender.scene.validate import MOST_LISTED, validated
 
-Parser = Callable[[str, str], Document]
+Parser = Callable[[str, str, Opener], Document]
+"""The document of a text, its origin and what opens the files that it names."""
 
 
-def _parse_mitsuba(text: str, origin: str) -> Document:
+def _parse_mitsuba(text: str, origin: str, opener: Opener) -> Document:
     """``parse_mitsuba``, imported when a file asks for it: it needs NumPy, which loading does not."""
     from symrender.scene.mitsuba.read import parse_mitsuba
 
-    return parse_mitsuba(text, origin)
+    return parse_mitsuba(text, origin, opener)
 
 
-def _parse_pbrt(text: str, origin: str) -> Document:
+def _parse_pbrt(text: str, origin: str, opener: Opener) -> Document:
     """``parse_pbrt``, imported when a file asks for it, for the same reason."""
     from symrender.scene.pbrt.read import parse_pbrt
 
-    return parse_pbrt(text, origin)
+    return parse_pbrt(text, origin, opener)
 
 
 _PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
-    ".yaml": ("YAML", parse_yaml),
-    ".yml": ("YAML", parse_yaml),
-    ".json": ("JSON", parse_json),
-    ".toml": ("TOML", parse_toml),
+    ".yaml": ("YAML", lambda text, origin, _: parse_yaml(text, origin)),
+    ".yml": ("YAML", lambda text, origin, _: parse_yaml(text, origin)),
+    ".json": ("JSON", lambda text, origin, _: parse_json(text, origin)),
+    ".toml": ("TOML", lambda text, origin, _: parse_toml(text, origin)),
     ".xml": ("Mitsuba", _parse_mitsuba),
     ".pbrt": ("pbrt", _parse_pbrt),
 }
 
+
+FOREIGN: Final = (".xml", ".pbrt")
+"""Files of other renderers, which open files in their own folder alone."""
 
 AnyScene = Scene | RadiometricScene
 Source = Scene | RadiometricScene | str | os.PathLike[str] | Mapping[str, Any]
@@ -67,8 +72,9 @@ def parse_any(
     YAML may hold ``most`` keys and items. Raises SceneError, one line per problem, the first complete in itself.
     """
     language, parser = _PARSERS[suffix]
+    opens = opener or beside("")
     try:
-        document = parse_yaml(text, origin, most) if parser is parse_yaml else parser(text, origin)
+        document = parse_yaml(text, origin, most) if language == "YAML" else parser(text, origin, opens)
     except Malformed as error:
         problems = sorted(error.problems, key=lambda problem: problem.mark or Mark(0, 0))
         raise failure(Document(None, origin), problems[:MOST_LISTED], max(0, len(problems) - MOST_LISTED)) from None
@@ -77,7 +83,7 @@ def parse_any(
         read = "nothing" if data in (None, {}) else shown(data)
         wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
         raise failure(Document(None, origin), [Problem((), wanted, document.marks.get((), Mark(1, 1)))])
-    return _scene_of(document, opener or beside(""))
+    return _scene_of(document, opens)
 
 
 def parse(text: str, origin: str, suffix: str = ".yaml", verb: str = "") -> Scene:
@@ -106,17 +112,25 @@ def _scene_of(document: Document, opener: Opener) -> AnyScene:
     return validated(root, document)
 
 
-def _load_file(path: str) -> AnyScene:
+def _load_file(path: str, allow_outside: bool) -> AnyScene:
     suffix = PurePath(path).suffix.lower()
     if suffix not in _PARSERS:
         known = gallery.all_names()
         guess = did_you_mean(path, known) or f", known are {', '.join(known)}"
         endings = ", ".join(_PARSERS)
         raise SceneError(f"{printable(path, 100)}: neither a file ending in {endings} nor a gallery scene{guess}")
+    if suffix in FOREIGN:
+        return parse_any(read_file(path, MAX_FOREIGN_BYTES), path, suffix, within(path, allow_outside))
     return parse_any(read_file(path), path, suffix, beside(path))
 
 
-def load_any(source: Source) -> AnyScene:
+def document_of(path: str, allow_outside: bool = False) -> Document:
+    """What a file of another renderer says, as plain data that names the files of its meshes and images."""
+    suffix = PurePath(path).suffix.lower()
+    return _PARSERS[suffix][1](read_file(path, MAX_FOREIGN_BYTES), path, within(path, allow_outside))
+
+
+def load_any(source: Source, *, allow_outside: bool = False) -> AnyScene:
     """Load and validate a scene.
 
     Parameters
@@ -124,6 +138,8 @@ def load_any(source: Source) -> AnyScene:
     source : str, path, mapping or scene
         Name of a gallery scene; file in YAML, TOML or JSON by its ending; a scene of Mitsuba 3 (``.xml``) or pbrt-v4
         (``.pbrt``); ``"-"`` for YAML from standard input; dict with the keys of a file; or a loaded scene.
+    allow_outside : bool
+        Let a file of Mitsuba or pbrt name files outside its own folder.
 
     Returns
     -------
@@ -154,10 +170,10 @@ def load_any(source: Source) -> AnyScene:
     if isinstance(source, str):
         if source in gallery.all_names():
             return parse_any(gallery.text(source), source, opener=gallery.mesh)
-        return parse_any(read_stdin(), "stdin") if source == "-" else _load_file(source)
+        return parse_any(read_stdin(), "stdin") if source == "-" else _load_file(source, allow_outside)
     if isinstance(source, os.PathLike):
         path = os.fspath(source)
-        return _load_file(path if isinstance(path, str) else os.fsdecode(path))
+        return _load_file(path if isinstance(path, str) else os.fsdecode(path), allow_outside)
     raise SceneError(f"scene: must be a name, a path, a mapping or a Scene, got {shown(source)}")
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from symrender.errors import ImageError, SceneError
 from symrender.limits import MAX_PICTURE_BYTES, MAX_PICTURE_PIXELS
 from symrender.scene.document import Document, Path, Problem
-from symrender.scene.meshes.files import Opener
+from symrender.scene.files import Opener
 from symrender.scene.printable import printable, shown
 
 if TYPE_CHECKING:

@@ -33,9 +33,9 @@ def decoded(data: bytes, origin: str, most: int = MAX_FILE_BYTES, what: str = "a
     return text
 
 
-def read_file(path: str) -> str:
+def read_file(path: str, most: int = MAX_FILE_BYTES) -> str:
     """Text of the file at ``path``, a leading byte order mark removed; never blocks on what is not a regular file."""
-    return decoded(read_bytes(path, MAX_FILE_BYTES + 1), printable(path, _SHOWN))
+    return decoded(read_bytes(path, most + 1), printable(path, _SHOWN), most)
 
 
 def read_bytes(path: str, most: int) -> bytes:

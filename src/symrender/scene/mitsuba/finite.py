@@ -7,16 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from symrender.scene.mitsuba.flats import AGREE, agrees, derived, fields_of, told_shape
+from symrender.scene.mitsuba.flats import AGREE, NO_BOX, agrees, derived, fields_of, told_shape
 from symrender.scene.mitsuba.properties import Properties
 
 
-def flat_fields(properties: Properties, comments: Sequence[str], kind: str, rows: Sequence[float]) -> dict[str, Any]:
-    """The fields of a rectangle, disk or box whose matrix has these rows."""
+def flat_fields(
+    properties: Properties, comments: Sequence[str], kind: str, rows: Sequence[float]
+) -> dict[str, Any] | None:
+    """The fields of a rectangle, disk or box whose matrix has these rows; None of a cube that is no such box."""
     matrix = np.array(rows).reshape(4, 4)
     shape = told_shape(comments, kind)
     if shape is None:
         made = derived(kind, matrix)
+        if isinstance(made, str) and kind == "box" and made.endswith(NO_BOX):
+            return None
         if isinstance(made, str):
             raise properties.wrong(made)
         return made

@@ -34,8 +34,11 @@ _SAID: Final = re.compile(
     r"symrender (rectangle|disk|box|triangle): ((?:[a-z_]+(?: [-+.0-9e]{1,40}){1,9}(?:; )?){1,4})"
 )
 _TRIANGLE: Final = (0, 1, 2)
+ROUND: Final = 1e-5
+"""Relative difference up to which an ellipse is a circle: files write six digits."""
 _FACES: Final = ((1, 3, 7, 5), (2, 0, 4, 6), (3, 2, 6, 7), (0, 1, 5, 4), (4, 5, 7, 6), (1, 0, 2, 3))
 """Corners of the right, left, far, near, upper and lower face of a box, as seen from outside."""
+NO_BOX: Final = "no scene has other boxes"
 AGREE: Final = 1e-12
 """Relative difference up to which a matrix is that of a comment."""
 
@@ -165,14 +168,14 @@ def derived(kind: str, matrix: Array) -> dict[str, Any] | str:
         return {"corner": _list(at - a - b), "edge_u": _list(2.0 * u), "edge_v": _list(2.0 * v)}
     lengths = [float(np.linalg.norm(axis)) for axis in (a, b, c)]
     if kind == "disk":
-        if abs(a @ b) > AGREE * lengths[0] * lengths[1] or abs(lengths[0] - lengths[1]) > AGREE * lengths[0]:
+        if abs(a @ b) > ROUND * lengths[0] * lengths[1] or abs(lengths[0] - lengths[1]) > ROUND * lengths[0]:
             return "to_world must make a circle of the unit circle: no scene has ellipses"
         normal = np.cross(a, b) / (lengths[0] * lengths[1])
         found = {"center": _list(at), "normal": _list(normal if side > 0.0 else -normal), "along": _list(a)}
         return found | {"radius": lengths[0]}
     straight = max(abs(a[2]), abs(b[2])) <= AGREE * max(lengths) and max(abs(c[0]), abs(c[1])) <= AGREE * lengths[2]
     if not straight or abs(a @ b) > AGREE * lengths[0] * lengths[1] or side < 0.0 or c[2] < 0.0:
-        return "to_world must scale, turn about z and move, in this order: no scene has other boxes"
+        return f"to_world must scale, turn about z and move, in this order: {NO_BOX}"
     turn = math.degrees(math.atan2(a[1], a[0]))
     return {"center": _list(at), "size": [2.0 * length for length in lengths], "rotation": turn}
 

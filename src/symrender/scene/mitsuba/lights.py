@@ -4,45 +4,91 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+import numpy as np
+
 from symrender.scene.document import Mark
-from symrender.scene.mitsuba.properties import Properties, numbers
+from symrender.scene.mitsuba.colours import EMITTED, REFLECTED, Reader
+from symrender.scene.mitsuba.properties import Properties
+from symrender.scene.mitsuba.textures import colour_of
+from symrender.scene.mitsuba.transforms import Array, taken_transform, uniform_scale
 
-_KINDS: Final = {
-    "point": ("point", {"position": "point", "intensity": "rgb"}),
-    "directional": ("directional", {"direction": "vector", "irradiance": "rgb"}),
-    "constant": ("sky", {"radiance": "rgb"}),
-}
-"""Emitters by their type: what it is here, and the tags of its fields."""
+_KNOWN: Final = "point, spot, directional, constant, envmap and area"
+_STRENGTHS: Final = {"point": "intensity", "spot": "intensity", "directional": "irradiance", "constant": "radiance"}
 
 
-def light(properties: Properties, kind: str, name: str) -> tuple[dict[str, Any], dict[str, Mark]]:
+def light(properties: Properties, kind: str, name: str, reader: Reader) -> tuple[dict[str, Any], dict[str, Mark]]:
     """The entry of an emitter of this type, and where its fields stand."""
-    if kind == "spot":
-        return _spot(properties, name), {}
-    if kind not in _KINDS:
-        raise properties.wrong("no such emitter here; known are point, spot, directional and constant")
-    ours, fields = _KINDS[kind]
-    entry: dict[str, Any] = {"type": ours, "name": name}
-    marks = {}
-    for field, tag in fields.items():
-        entry[field], marks[field] = properties.triple(field, tag)
-    properties.done(", ".join(fields))
+    properties.pop("sampling_weight", "id")
+    marks = {field: child.mark for field, child in properties.named.items()}
+    if kind == "envmap":
+        return _environment(properties, name, reader), marks
+    if kind not in _STRENGTHS:
+        raise properties.wrong(f"no such emitter here; known are {_KNOWN}")
+    strength = _STRENGTHS[kind]
+    colour = colour_of(properties, strength, 1.0, reader, EMITTED)
+    given = taken_transform(properties)
+    outer = reader.outer
+    matrix = outer if given is None else outer @ given
+    entry: dict[str, Any] = {"type": kind, "name": name}
+    match kind:
+        case "point":
+            if given is not None and "position" in properties.named:
+                raise properties.wrong("position and to_world: one of them says where it is")
+            place = properties.place("position", (0.0, 0.0, 0.0))
+            entry["position"] = _column(matrix, 3) if given is not None else _turned(outer, place)
+        case "spot":
+            entry |= _spot(properties, matrix)
+        case "directional":
+            if "direction" in properties.named:
+                if given is not None:
+                    raise properties.wrong("direction and to_world: one of them says where it goes")
+                entry["direction"] = _turned(outer, properties.place("direction"))
+            else:
+                entry["direction"] = _column(matrix, 2)
+        case _:
+            entry["type"] = "sky"
+    entry[strength] = colour
+    properties.done(f"{strength} and what says where it is")
     return entry, marks
 
 
-def _spot(properties: Properties, name: str) -> dict[str, Any]:
-    """The entry of a spot, which is turned about the origin and then moved."""
-    transform = properties.take("to_world", "transform")
-    parts = transform.children if transform is not None else []
-    if transform is None or [part.tag for part in parts] != ["lookat", "translate"]:
-        raise properties.wrong("to_world must be a lookat from 0, 0, 0 and a translate", transform)
-    origin, target = (numbers(parts[0], parts[0].attributes.get(key, ""), 3) for key in ("origin", "target"))
-    if any(origin):
-        raise properties.wrong("its lookat must have the origin 0, 0, 0", parts[0])
-    place = numbers(parts[1], " ".join(parts[1].attributes.get(axis, "0") for axis in "xyz"), 3)
+def _column(matrix: Array, column: int) -> list[float]:
+    return [float(x) for x in matrix[:3, column]]
+
+
+def _turned(outer: Array, place: list[float]) -> list[float]:
+    return [float(x) + 0.0 for x in outer[:3, :3] @ place]
+
+
+def _spot(properties: Properties, whole: Array) -> dict[str, Any]:
+    """Place, direction and cone of a spot."""
+    if "texture" in properties.named:
+        raise properties.wrong("a texture is not supported", properties.named["texture"])
     cutoff = properties.number("cutoff_angle", 20.0)
     beam = properties.number("beam_width", 0.75 * cutoff)
-    entry = {"type": "spot", "name": name, "position": place, "direction": target, "beam": beam, "cutoff": cutoff}
-    entry["intensity"] = properties.triple("intensity", "rgb")[0]
-    properties.done("to_world, intensity, cutoff_angle and beam_width")
+    return {"position": _column(whole, 3), "direction": _column(whole, 2), "beam": beam, "cutoff": cutoff}
+
+
+def _environment(properties: Properties, name: str, reader: Reader) -> dict[str, Any]:
+    """The entry of an image of the sky: Mitsuba's has y up, and z where azimuth begins."""
+    file = properties.word("filename", "")
+    if not file:
+        raise properties.wrong("needs a filename")
+    entry: dict[str, Any] = {"type": "environment", "name": name, "file": reader.path(properties.element, file)}
+    given = properties.named.get("scale")
+    scale = reader.taken(properties, "scale", 1.0, REFLECTED) if given is not None else [1.0] * 3
+    entry["scale"] = scale
+    matrix = taken_transform(properties)
+    whole = np.eye(4) if matrix is None else matrix
+    size = uniform_scale(whole)
+    if size is None:
+        raise properties.wrong("to_world must turn or mirror, and not scale by unequal factors")
+    # x, y, z of the map here are x, z, y there: z up, and azimuth from y towards x
+    turned = reader.outer[:3, :3] @ whole[:3, :3] / size @ _TO_Y_UP
+    entry["to_world"] = [[float(x) for x in row] for row in turned]
+    properties.pop("gamma", "cache", "mis_compensation", "raw")
+    properties.done("filename, scale and to_world")
     return entry
+
+
+_TO_Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

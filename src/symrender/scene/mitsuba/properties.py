@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.scene.document import Malformed, Mark
+from symrender.scene.document import Malformed
 from symrender.scene.mitsuba.xml_tree import Element
 from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
-IGNORED: Final = ("id", "version")
-_PARTS: Final = ("bsdf", "emitter", "film", "sampler", "rfilter")
-VALUES: Final = ("integer", "float", "string", "boolean", "rgb", "point", "vector", "transform")
+_PARTS: Final = ("bsdf", "emitter", "film", "sampler", "rfilter", "medium", "shape", "integrator", "phase", "volume")
+VALUES: Final = (
+    "integer", "float", "string", "boolean", "rgb", "srgb", "spectrum", "blackbody", "point", "vector", "transform",
+)  # fmt: skip
 
 
 def name_of(element: Element) -> str:
@@ -47,7 +48,7 @@ class Properties:
                 if child.tag in VALUES:
                     raise Malformed(f"{child.tag} of {name_of(element)}: needs a name", child.mark)
                 self.others.append(child)
-            elif child.tag in _PARTS or (child.tag == "ref" and element.tag == "shape"):
+            elif child.tag in _PARTS:
                 # the name of a part says nothing beside its tag
                 self.others.append(child)
             elif name in self.named:
@@ -73,6 +74,24 @@ class Properties:
             raise self.wrong(f"{element.tag} {printable(element.attributes.get('name', ''))} needs a value", element)
         return element.attributes["value"]
 
+    def pop(self, *names: str) -> None:
+        """Pass over properties that change no image."""
+        for name in names:
+            self.named.pop(name, None)
+
+    def parts(self, *tags: str) -> list[Element]:
+        """The children of these tags, which count as taken."""
+        found = [child for child in self.others if child.tag in tags]
+        self.others = [child for child in self.others if child.tag not in tags]
+        return found
+
+    def flag(self, name: str, default: bool) -> bool:
+        """A boolean."""
+        given = self.word(name, "true" if default else "false").strip().lower()
+        if given not in ("true", "false"):
+            raise self.wrong(f"{name} must be true or false, got {printable(given)}")
+        return given == "true"
+
     def number(self, name: str, default: float | None = None) -> float:
         """A number; refused where it is missing and there is no default."""
         found = self.take(name, "float", "integer")
@@ -87,18 +106,16 @@ class Properties:
         found = self.take(name, "string", "boolean")
         return default if found is None else self.value(found)
 
-    def triple(self, name: str, tag: str) -> tuple[list[float], Mark]:
-        """A place, a vector or a colour of three, or of one number three times; and where it stands."""
-        found = self.take(name, tag)
+    def place(self, name: str, default: tuple[float, float, float] | None = None) -> list[float]:
+        """A place or a vector; refused where it is missing and there is no default."""
+        found = self.take(name, "point", "vector")
         if found is None:
-            raise self.wrong(f"needs {name}")
-        if tag != "rgb" and "value" not in found.attributes:
-            text = " ".join(found.attributes.get(axis, "") for axis in "xyz")
-            return numbers(found, text, 3), found.mark
-        text = self.value(found)
-        if tag == "rgb" and len(text.replace(",", " ").split()) == 1:
-            return numbers(found, text, 1) * 3, found.mark
-        return numbers(found, text, 3), found.mark
+            if default is None:
+                raise self.wrong(f"needs {name}")
+            return list(default)
+        if "value" in found.attributes:
+            return numbers(found, found.attributes["value"], 3)
+        return numbers(found, " ".join(found.attributes.get(axis) or "0" for axis in "xyz"), 3)
 
     def done(self, known: str) -> None:
         """Refuse what was not taken."""

@@ -1,7 +1,7 @@
 """XML as elements that know their line, and nothing that XML can do beyond that.
 
-Declarations of types and entities, processing instructions and anything that would be read from elsewhere are refused
-where they stand, before they mean anything; size is that of every scene file, depth and number are limited.
+Declarations of types and entities and anything that would be read from elsewhere are refused where they stand, before
+they mean anything; processing instructions are passed over; depth and number are limited.
 """
 
 from __future__ import annotations
@@ -26,17 +26,27 @@ class Element:
     comments: list[str] = field(default_factory=list)
 
 
-def parse_xml(text: str) -> Element:
-    """The root element of ``text``; Malformed says where the text is no XML, or more than elements."""
+@dataclass
+class Count:
+    """How many elements and attributes a scene has so far, in all of its files."""
+
+    total: int = 0
+
+
+def parse_xml(text: str, file: str = "", count: Count | None = None) -> Element:
+    """The root element of ``text``, the content of ``file``; Malformed says where it is no XML, or more than elements.
+
+    ``count`` goes on from other files of the same scene.
+    """
+    counted = count or Count()
     parser = expat.ParserCreate("utf-8")
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
     parser.buffer_text = True
     stack: list[Element] = []
     roots: list[Element] = []
-    count = 0
 
     def mark() -> Mark:
-        return Mark(parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+        return Mark(parser.CurrentLineNumber, parser.CurrentColumnNumber + 1, file)
 
     def refuse(what: str) -> Any:
         def handler(*_: Any) -> None:
@@ -45,11 +55,10 @@ def parse_xml(text: str) -> Element:
         return handler
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1 + len(attributes)
+        counted.total += 1 + len(attributes)
         if len(stack) >= MAX_DEPTH:
             raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", mark())
-        if count > MAX_KEYS:
+        if counted.total > MAX_KEYS:
             raise Malformed(f"a scene file may hold at most {MAX_KEYS} elements and attributes", mark())
         if len(attributes) > MAX_MAPPING:
             raise Malformed(f"an element may have at most {MAX_MAPPING} attributes", mark())
@@ -73,10 +82,10 @@ def parse_xml(text: str) -> Element:
     parser.StartDoctypeDeclHandler = refuse("document types")
     parser.EntityDeclHandler = parser.UnparsedEntityDeclHandler = refuse("entities")
     parser.ExternalEntityRefHandler = parser.SkippedEntityHandler = refuse("entities")
-    parser.ProcessingInstructionHandler = refuse("processing instructions")
+    # processing instructions, as <?xml-model?>, are for other programs: nothing here carries them out
     try:
         parser.Parse(text.encode("utf-8"), True)
     except expat.ExpatError as error:
-        where = Mark(error.lineno, error.offset + 1)
+        where = Mark(error.lineno, error.offset + 1, file)
         raise Malformed(f"not valid XML: {expat.ErrorString(error.code)}", where) from None
     return roots[0]

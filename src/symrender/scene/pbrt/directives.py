@@ -6,33 +6,37 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from symrender.limits import MAX_KEYS, MAX_MAPPING
+from symrender.limits import MAX_KEYS, MAX_MAPPING, MAX_TRIANGLES
 from symrender.scene.document import Malformed, Mark, Problem, Unreadable
 from symrender.scene.nearest import did_you_mean
-from symrender.scene.pbrt.tokens import Token, float_of, is_integer, said, tokens
+from symrender.scene.pbrt.tokens import Token, float_of, floats_of, is_integer, said, tokens
 from symrender.scene.printable import printable
 
 NUMBERS: Final = {"LookAt": 9, "Translate": 3, "Scale": 3, "Rotate": 4, "Identity": 0, "AttributeBegin": 0,
-                  "AttributeEnd": 0, "ReverseOrientation": 0, "WorldBegin": 0}  # fmt: skip
+                  "AttributeEnd": 0, "ReverseOrientation": 0, "WorldBegin": 0, "ObjectEnd": 0,
+                  "TransformBegin": 0, "TransformEnd": 0}  # fmt: skip
 MATRICES: Final = ("Transform", "ConcatTransform")
-STRINGS: Final = {"CoordinateSystem": 1, "CoordSysTransform": 1, "ColorSpace": 1, "NamedMaterial": 1}
+STRINGS: Final = {"CoordinateSystem": 1, "CoordSysTransform": 1, "ColorSpace": 1, "NamedMaterial": 1, "Include": 1,
+                  "Import": 1, "ObjectBegin": 1, "ObjectInstance": 1}  # fmt: skip
 LISTED: Final = {"Camera": 1, "Film": 1, "Sampler": 1, "Integrator": 1, "PixelFilter": 1, "Accelerator": 1,
                  "LightSource": 1, "AreaLightSource": 1, "Shape": 1, "Material": 1, "MakeNamedMaterial": 1,
-                 "Texture": 3}  # fmt: skip
+                 "Texture": 3, "Attribute": 1, "MakeNamedMedium": 1}  # fmt: skip
 """Directives with parameters, and how many strings come before these."""
-_NO_FILES: Final = "nothing beside the file itself is opened"
 REFUSED: Final = {
-    "Include": _NO_FILES, "Import": _NO_FILES,
-    "ObjectBegin": "a scene has no instances", "ObjectEnd": "a scene has no instances",
-    "ObjectInstance": "a scene has no instances",
-    "MediumInterface": "a scene has no media", "MakeNamedMedium": "a scene has no media",
+    "MediumInterface": "a scene has no media",
     "TransformTimes": "nothing moves in a scene", "ActiveTransform": "nothing moves in a scene",
-    "TransformBegin": "AttributeBegin says it in pbrt-v4", "TransformEnd": "AttributeEnd says it in pbrt-v4",
-    "Attribute": "parameters stand with what they belong to", "WorldEnd": "pbrt-v4 has none",
 }  # fmt: skip
+OLD: Final = frozenset((
+    "WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume",
+))  # fmt: skip
+"""Directives of versions before 4, which these had alone."""
+_MOST_VALUES: Final = 3 * MAX_TRIANGLES
+"""Most values of one parameter."""
 KNOWN: Final = (*NUMBERS, *MATRICES, *STRINGS, *LISTED, "Option")
-SIZES: Final = {"float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "blackbody": 1, "spectrum": 0,
-                "rgb": 3, "point2": 2, "vector2": 2, "point3": 3, "vector3": 3, "normal": 3}  # fmt: skip
+SIZES: Final = {"color": 0, "float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "blackbody": 1,
+                "spectrum": 0,
+                "rgb": 3, "point2": 2, "vector2": 2, "point3": 3, "vector3": 3, "normal": 3,
+                "point": 3, "vector": 3, "normal3": 3}  # fmt: skip
 """Types of parameters, and of how many values one is made (0: any number)."""
 
 
@@ -59,15 +63,22 @@ class Directive:
     mark: Mark
 
 
+@dataclass
+class Count:
+    """How many directives, parameters and comments a scene has so far, in all of its files."""
+
+    total: int = 0
+
+
 class _Words:
     """Words of a text with one to look ahead; comments are put aside."""
 
-    def __init__(self, text: str) -> None:
-        self._all = tokens(text)
+    def __init__(self, text: str, file: str, counts: Count) -> None:
+        self._all = tokens(text, file)
+        self._counts = counts
         self.comments: list[str] = []
         self.last = Mark(1, 1)
         self.ahead: Token | None = None
-        self.count = 0
         self._step()
 
     def _step(self) -> None:
@@ -95,8 +106,8 @@ class _Words:
 
     def counted(self, mark: Mark) -> None:
         """Count one directive, parameter or comment."""
-        self.count += 1
-        if self.count > MAX_KEYS:
+        self._counts.total += 1
+        if self._counts.total > MAX_KEYS:
             raise Unreadable(f"a scene file may hold at most {MAX_KEYS} directives, parameters and comments", mark)
 
     def at(self, kind: str, text: str | None = None) -> bool:
@@ -104,17 +115,23 @@ class _Words:
         return self.ahead is not None and self.ahead.kind == kind and text in (None, self.ahead.text)
 
 
-def directives(text: str, problems: list[Problem]) -> Iterator[Directive]:
+def directives(text: str, problems: list[Problem], file: str = "", count: Count | None = None) -> Iterator[Directive]:
     """The directives of ``text`` in order; to ``problems`` goes what is wrong with one that is passed over.
 
-    Unreadable where no more can be told apart.
+    ``file`` is the one that holds the text, ``count`` goes on from other files of the same scene. Unreadable where no
+    more can be told apart.
     """
-    words = _Words(text)
+    words = _Words(text, file, count or Count())
     while words.ahead is not None:
         comments, words.comments = tuple(words.comments), []
         try:
             token = words.next("a directive", ())
             words.counted(token.mark)
+            if token.kind == "word" and token.text in OLD:
+                raise Unreadable(
+                    f"must be a file of pbrt-v4, got one of an earlier version by its {token.text}; "
+                    "`pbrt --upgrade` writes it anew", token.mark,
+                )  # fmt: skip
             if token.kind != "word" or token.text not in KNOWN:
                 raise _unknown(token)
             directive = _directive(words, token, comments)
@@ -145,10 +162,12 @@ def _directive(words: _Words, token: Token, comments: tuple[str, ...]) -> Direct
         numbers = tuple(float_of(words.next(wanted, path), path) for _ in range(NUMBERS[name]))
     elif name in MATRICES:
         opening = words.next("16 numbers in brackets", path)
-        if opening.text != "[" or opening.kind != "bracket":
+        if opening.kind == "array":
+            numbers = floats_of(opening, path)
+        elif opening.text != "[" or opening.kind != "bracket":
             raise Malformed(f"must be 16 numbers in brackets, got {said(opening)}", opening.mark, path)
-        found = _bracketed(words, path)
-        numbers = tuple(float_of(value, path) for value in found)
+        else:
+            numbers = tuple(float_of(value, path) for value in _bracketed(words, path))
         if len(numbers) != 16:
             raise Malformed(f"must be 16 numbers in brackets, got {len(numbers)}", opening.mark, path)
     elif name == "Option":
@@ -198,6 +217,8 @@ def _parameter(words: _Words, of: str) -> Parameter:
     if kind not in SIZES:
         raise Malformed(f"must be of a type such as float or rgb, got {printable(kind)}", told.mark, path)
     first = words.next("a value", path)
+    if first.kind == "array":
+        return _array(first, told, kind, name)
     values = _bracketed(words, path) if first.kind == "bracket" and first.text == "[" else [first]
     if first.kind == "bracket" and first.text == "]":
         raise Malformed("must be a value, got ]", first.mark, path)
@@ -216,4 +237,20 @@ def _parameter(words: _Words, of: str) -> Parameter:
     for value in values:
         if kind == "integer" and not is_integer(value):
             raise Malformed(f"must be an integer, got {said(value)}", value.mark, path)
+    return Parameter(kind, name, numbers, (), told.mark)
+
+
+def _array(first: Token, told: Token, kind: str, name: str) -> Parameter:
+    """The parameter of a long list of numbers."""
+    path = (name,)
+    if kind in ("string", "texture", "bool"):
+        raise Malformed(f"must be {kind}, got numbers", first.mark, path)
+    numbers = floats_of(first, path)
+    if len(numbers) > _MOST_VALUES:
+        raise Malformed(f"must be at most {_MOST_VALUES} values, got {len(numbers)}", first.mark, path)
+    size = SIZES[kind]
+    if size and len(numbers) % size:
+        raise Malformed(f"must be {kind}, made of {size} values, got {len(numbers)}", told.mark, path)
+    if kind == "integer" and not all(x == int(x) and abs(x) < 1 << 31 for x in numbers):
+        raise Malformed("must be integers", first.mark, path)
     return Parameter(kind, name, numbers, (), told.mark)

@@ -1,27 +1,37 @@
-"""Lights of a pbrt file whose colour is the film's white."""
+"""Lights of a pbrt file: numbers of rgb are those of the film, other colours have luminance 1 times their scale."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from symrender.scene.document import Mark
+from symrender.scene.pbrt.materials import Shelf
 from symrender.scene.pbrt.parameters import Parameters
 from symrender.scene.pbrt.transforms import Transform
 from symrender.scene.printable import printable
 
 _ORIGIN = (0.0, 0.0, 0.0)
+_WHITE = (1.0, 1.0, 1.0)
 
 
-def area(parameters: Parameters) -> dict[str, Any]:
-    """The entry of what a sphere emits, without name and shape."""
+def _strength(parameters: Parameters, name: str, shelf: Shelf) -> list[float]:
+    scale = parameters.number("scale", 1.0)
+    colour = parameters.colour(name, "emits", shelf.opener, _WHITE) or _WHITE
+    return [scale * c for c in colour]
+
+
+def area(parameters: Parameters, shelf: Shelf) -> dict[str, Any]:
+    """The entry of what a shape emits, without name and shape."""
     (kind,) = parameters.directive.strings
     parameters.must("", kind, "diffuse")
     if parameters.given("power"):
         raise parameters.wrong("power", "must be left out: a light is as strong as L times scale says")
     if parameters.given("filename"):
-        raise parameters.wrong("filename", "must be left out: nothing beside the file itself is opened")
-    parameters.must("twosided", parameters.word("twosided", "false", "bool"), "false", "a sphere emits outside")
-    radiance = [parameters.number("scale", 1.0) * parameters.light("L", 1.0)] * 3
+        raise parameters.wrong("filename", "must be left out: a shape emits alike everywhere")
+    parameters.must("twosided", parameters.word("twosided", "false", "bool"), "false", "a shape emits on one side")
+    radiance = _strength(parameters, "L", shelf)
     parameters.done("L, scale and twosided")
     return {"type": "area", "radiance": radiance}
 
@@ -36,7 +46,7 @@ def _spot(parameters: Parameters, at: Transform) -> dict[str, Any]:
     return entry | {"beam": cutoff - fall, "cutoff": cutoff, "falloff": "smooth"}
 
 
-def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[str, Mark]]:
+def light(parameters: Parameters, at: Transform, shelf: Shelf) -> tuple[dict[str, Any], dict[str, Mark]]:
     """The entry of a light without its name, and where its fields stand."""
     (kind,) = parameters.directive.strings
     for name in ("power", "illuminance"):
@@ -61,13 +71,13 @@ def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[s
         case "infinite":
             strength, given = "L", "radiance"
             if parameters.given("filename"):
-                raise parameters.wrong("filename", "must be left out: nothing beside the file itself is opened")
+                return _environment(parameters, at, shelf), {}
             entry = {"type": "sky"}
         case _:
             raise parameters.wrong(
                 "", f"must be point, spot, distant or infinite, got {printable(kind)}, a light not read"
             )
-    entry[given] = [parameters.number("scale", 1.0) * parameters.light(strength, 1.0)] * 3
+    entry[given] = _strength(parameters, strength, shelf)
     known = {
         "point": "I, scale and from",
         "spot": "I, scale, from, to, coneangle and conedeltaangle",
@@ -79,3 +89,16 @@ def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[s
         "position": parameters.where("from"),
         "direction": parameters.where("to"),
     }
+
+
+def _environment(parameters: Parameters, at: Transform, shelf: Shelf) -> dict[str, Any]:
+    """The entry of an equal-area image of the sky."""
+    scale = parameters.number("scale", 1.0)
+    path = shelf.path(parameters, "filename", parameters.word("filename", ""))
+    parameters.done("filename and scale")
+    size = at.scale()
+    if size is None:
+        raise parameters.wrong("", "must be turned only, or mirrored")
+    rows = at.matrix[:3, :3] / size
+    entry: dict[str, Any] = {"type": "environment", "file": path, "layout": "equal_area", "scale": [scale] * 3}
+    return entry | {"to_world": [[float(x) for x in row] for row in np.asarray(rows)]}

@@ -2,18 +2,41 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
+from symrender.errors import SceneError
+from symrender.limits import MAX_FILE_BYTES
 from symrender.scene.document import Malformed, Mark
+from symrender.scene.files import Opener
+from symrender.scene.files import found as found_file
 from symrender.scene.pbrt.directives import Directive, Parameter
 from symrender.scene.printable import printable
-
-_WAY: Final = (
-    "pbrt makes a spectrum of them, so a coloured scene is three grey files, as `symrender export` writes them"
+from symrender.scene.read import decoded
+from symrender.scene.spectra import cie
+from symrender.scene.spectra.curves import (
+    Rgb,
+    black_body,
+    checked,
+    linear_rgb,
+    measured,
+    parsed_spd,
+    reflected,
+    tristimulus,
 )
+
 _VISIBLE: Final = (360.0, 830.0)
 """The wavelengths that pbrt traces, in nm."""
+
+
+def _of_luminance_one(wavelengths: list[float], values: list[float]) -> Rgb:
+    """Linear RGB of a light's curve, divided by its luminance, as pbrt takes lights."""
+    xyz = tristimulus(wavelengths, values, emits=True)
+    if not xyz[1] > 0.0:
+        raise ValueError("a light must have a luminance above 0")
+    r, g, b = (max(0.0, c) / xyz[1] for c in linear_rgb(xyz))
+    return r, g, b
 
 
 class Parameters:
@@ -23,6 +46,13 @@ class Parameters:
         self.directive = directive
         self.mark = directive.mark
         self._left = dict(directive.parameters)
+
+    def beside(self, defaults: Mapping[str, Parameter]) -> Parameters:
+        """These parameters, and those of ``Attribute`` directives that stand above them."""
+        if defaults:
+            merged = {**defaults, **self.directive.parameters}
+            return Parameters(replace(self.directive, parameters=merged))
+        return self
 
     def wrong(self, name: str, message: str) -> Malformed:
         """A refusal of a parameter, or of the whole directive where ``name`` is empty."""
@@ -85,51 +115,51 @@ class Parameters:
             wanted = f"{due:g}" if isinstance(due, float) else str(due)
             raise self.wrong(name, f"must be {wanted}, got {shown}{f': {why}' if why else ''}")
 
-    def light(self, name: str, default: float) -> float:
-        """A grey light, in units of the film's white."""
-        found = self.take(name, "rgb", "spectrum", "blackbody")
+    def colour(self, name: str, kind: str, opener: Opener, default: Rgb | None = None) -> Rgb | None:
+        """A colour in linear RGB, of what ``emits`` (of luminance 1 if no rgb), ``reflects``, or of an ``index``."""
+        found = self.take(name, "rgb", "spectrum", "blackbody", "float")
         if found is None:
             return default
-        if found.type != "rgb":
-            raise self.wrong(
-                name, f"must be rgb of three equal numbers, got {found.type}: only the film's white keeps its number"
-            )
-        return self._grey(found)
+        try:
+            if found.type == "blackbody":
+                if len(found.numbers) != 1:
+                    raise ValueError(f"must be a temperature, got {len(found.numbers)} numbers")
+                return _of_luminance_one(*black_body(found.numbers[0]))
+            if found.type == "float" or (found.type == "rgb" and len(found.numbers) == 3):
+                r, g, b = found.numbers if found.type == "rgb" else found.numbers * 3
+                return (r, g, b)
+            if found.type == "rgb":
+                raise ValueError(f"must be 3 numbers, got {len(found.numbers)}")
+            wavelengths, values = self._curve(found, opener)
+        except ValueError as error:
+            raise self.wrong(name, str(error)) from None
+        if (
+            wavelengths[0] <= _VISIBLE[0]
+            and wavelengths[-1] >= _VISIBLE[1]
+            and len(set(values)) == 1
+            and kind != "emits"
+        ):
+            return (values[0], values[0], values[0])
+        if kind == "emits":
+            return _of_luminance_one(wavelengths, values)
+        return reflected(wavelengths, values) if kind == "reflects" else measured(wavelengths, values)
 
-    def grey(self, name: str, default: float | None = None) -> float:
-        """A grey reflectance or index: an rgb of three equal numbers, or a spectrum that is one number throughout."""
-        found = self.take(name, "rgb", "spectrum", "blackbody")
-        if found is None:
-            if default is None:
-                raise self.wrong("", f"must have {name}: pbrt takes that of copper otherwise, a spectrum")
-            return default
-        if found.type == "blackbody" or found.strings:
-            what = f"the spectrum {printable(found.strings[0])}" if found.strings else found.type
-            raise self.wrong(
-                name, f"must be one number at all wavelengths, got {what}, which three channels cannot hold"
-            )
-        return self._grey(found) if found.type == "rgb" else self._constant(found)
-
-    def _grey(self, found: Parameter) -> float:
-        if len(found.numbers) != 3 or len(set(found.numbers)) != 1:
-            told = " ".join(f"{x:g}" for x in found.numbers[:6])
-            raise self.wrong(found.name, f"must be three equal numbers, got {told}: {_WAY}")
-        return found.numbers[0]
-
-    def _constant(self, found: Parameter) -> float:
-        """The number of a spectrum of wavelengths and values, all of them the same over all that pbrt traces."""
-        lengths, values = found.numbers[::2], found.numbers[1::2]
-        rising = all(a < b for a, b in pairwise(lengths))
-        if len(lengths) != len(values) or not rising:
-            raise self.wrong(
-                found.name, f"must be pairs of rising wavelengths and values, got {len(found.numbers)} numbers"
-            )
-        if len(set(values)) != 1 or lengths[0] > _VISIBLE[0] or lengths[-1] < _VISIBLE[1]:
-            told = " ".join(f"{x:g}" for x in found.numbers[:6])
-            raise self.wrong(
-                found.name, f"must be one number from 360 to 830 nm, got {told}, which three channels cannot hold"
-            )
-        return values[0]
+    def _curve(self, found: Parameter, opener: Opener) -> tuple[list[float], list[float]]:
+        """Wavelengths and values of a spectrum, of its numbers, or of the file that it names."""
+        if not found.strings:
+            wavelengths, values = list(found.numbers[::2]), list(found.numbers[1::2])
+            checked(wavelengths, values)
+            return wavelengths, values
+        (name,) = found.strings
+        if name.startswith("stdillum-D65"):
+            return [cie.FIRST + cie.STEP * k for k in range(len(cie.D65))], list(cie.D65)
+        if not name.endswith(".spd"):
+            raise ValueError(f"the spectrum {printable(name)} by name is not supported")
+        try:
+            path = found_file(name, [""], opener)
+            return parsed_spd(decoded(opener(path, MAX_FILE_BYTES + 1), path))
+        except SceneError as error:
+            raise ValueError(str(error)) from None
 
     def passed(self, *names: str) -> None:
         """Pass over parameters that say nothing of a scene."""

@@ -17,7 +17,9 @@ Triple = tuple[float, float, float]
 Words = tuple[tuple[str, tuple[float, ...]], ...]
 
 ROUNDING: Final = 1e-12
-"""By how much, of its size, a matrix may be off from a turn."""
+"""Relative difference up to which numbers that a comment says are those of a file."""
+_DIGITS: Final = 1e-5
+"""By how much, of its size, a matrix may be off from a turn: files write six digits."""
 _KEPT: Final = 3
 """How many words a transform remembers: a camera has two."""
 
@@ -42,6 +44,24 @@ class Transform:
         if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
             raise Malformed("must be affine, its last row 0 0 0 1", directive.mark, (name,))
         return Transform(matrix, words)
+
+    def inside(self, outer: Transform) -> Transform:
+        """This transform within another one."""
+        if outer.plain:
+            return self
+        with np.errstate(over="ignore", invalid="ignore"):
+            return Transform(outer.matrix @ self.matrix, (("", ()),))
+
+    def after(self, inner: Transform) -> Transform:
+        """This transform after another one."""
+        if inner.plain:
+            return self
+        return Transform(self.matrix @ inner.matrix, (("", ()),))
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether it turns a right hand into a left one."""
+        return float(np.linalg.det(self.matrix[:3, :3])) < 0.0
 
     def inverse(self) -> Transform | None:
         """The way back; None where there is none."""
@@ -81,10 +101,12 @@ class Transform:
             return None
         columns = [math.hypot(*column) for column in linear.T]
         off = linear.T @ linear - columns[0] ** 2 * np.eye(3)
-        return columns[0] if np.abs(off).max() <= ROUNDING * columns[0] ** 2 else None
+        return columns[0] if np.abs(off).max() <= 2.0 * _DIGITS * columns[0] ** 2 else None
 
 
 IDENTITY: Final = Transform(np.eye(4))
+MIRROR: Final = Transform(np.diag([-1.0, 1.0, 1.0, 1.0]), (("", ()),))
+"""Turns left-handed coordinates into right-handed ones."""
 
 
 def _step(directive: Directive) -> Matrix:

@@ -12,6 +12,7 @@ from symrender.limits import MAX_BOUNCES, MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import shown
 from symrender.scene.radiometric.camera import LensCamera
+from symrender.scene.radiometric.film import Film
 from symrender.scene.radiometric.lights import Area, Environment, Light, Sky
 from symrender.scene.radiometric.materials import Material
 from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
@@ -49,6 +50,7 @@ class RadiometricScene(Root):
         BeforeValidator(_reflections),
     ]
     camera: Annotated[LensCamera, Field(description="who looks")]
+    film: Annotated[Film | None, Field(description="size and filter that the file of another renderer asks for")] = None
     gloss: Annotated[
         Literal["every_hit", "first_hit"],
         Field(description="where what is not diffuse reflects; after the first hit, black or not"),

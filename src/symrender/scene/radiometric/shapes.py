@@ -177,11 +177,12 @@ class Box(Part):
 class Mesh(Part):
     """Triangles that share vertices, counter-clockwise about their normals; opaque from both sides.
 
-    A file of the ending .obj or .ply is read when the scene is loaded, beside which it lies: the scene then holds its
-    vertices and faces. A vertex v stands at ``position`` + ``scale`` v, turned about z. Each face has a texture of its
-    own, from its first vertex along its first edge; textures in (u, v) follow those of the vertices. With
-    ``shading_normals: use`` it reflects by the normals of its vertices, interpolated over each face; where there are
-    none they are the sums of those of the faces about a vertex, each times its angle.
+    A file of the ending .obj, .ply or .serialized is read when the scene is loaded, beside which it lies: the scene
+    then holds its vertices and faces. Next to ``file`` may stand ``to_world`` (16 numbers, row by row), ``flip_faces``,
+    and ``part``, which mesh of a serialized file it is. A vertex v stands at ``position`` + ``scale`` v, turned about
+    z. Each face has a texture of its own, from its first vertex along its first edge; textures in (u, v) follow those
+    of the vertices. With ``shading_normals: use`` it reflects by the normals of its vertices, interpolated over each
+    face; where there are none they are the sums of those of the faces about a vertex, each times its angle.
     """
 
     has_own_coordinates: ClassVar[bool] = False

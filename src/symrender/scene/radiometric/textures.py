@@ -19,7 +19,7 @@ class Pictured(Part):
     """Base of what holds an image file: PNG, JPEG, OpenEXR or Radiance HDR."""
 
     file: Annotated[
-        str, Field(exclude=True, description="PNG, JPEG, EXR or HDR file beside the scene's, read when it is loaded")
+        str, Field(exclude=True, description="PNG, JPEG, EXR or HDR file next to the scene's, read when it is loaded")
     ] = ""
     data: Annotated[str, Field(description=_DATA)] = ""
 

@@ -27,7 +27,8 @@ first pixel, and .042 and .19 s a pixel over 100 pixels.
 
 def radiometric_warnings(scene: RadiometricScene) -> tuple[str, ...]:
     """One line for each oddity of ``scene``, naming its part: camera, lights, shapes, materials, in this order."""
-    return (*_camera(scene), *_lights(scene), *_shapes(scene))
+    film = tuple(f"film: {note}" for note in scene.film.notes.split("; ") if note) if scene.film is not None else ()
+    return (*film, *_camera(scene), *_lights(scene), *_shapes(scene))
 
 
 def _beyond(shape: Shape, point: _Point) -> str:

@@ -1,6 +1,6 @@
 """Facets of rough surfaces: the density of their normals, masking, and a normal by chance.
 
-Facets are told by the squared tangent t2 of their normal's angle, since D cos^4 depends on it alone.
+Facets are described by the squared tangent t2 of their normal's angle, since D cos^4 depends on it alone.
 """
 
 from __future__ import annotations

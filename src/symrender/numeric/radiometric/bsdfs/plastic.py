@@ -29,7 +29,7 @@ _TURNS: Final = 96
 
 
 class Facets(NamedTuple):
-    """What of a material the shares of its layer depend on beside the index."""
+    """What of a material the shares of its layer depend on in addition to the index."""
 
     alpha: float
     density: float

@@ -1,0 +1,1 @@
+"""Spectra as linear RGB: tables of the standard observer, curves, black bodies."""
