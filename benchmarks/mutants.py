@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from symrender.images.image import Image
-from symrender.numeric.radiometric import hits, path, tile
-from symrender.numeric.radiometric.bsdfs import conductor, diffuse, phong
+from symrender.numeric.radiometric import hits, path, pictures, tile
+from symrender.numeric.radiometric.bsdfs import choice, conductor, diffuse, dispatch, facets, fresnel, phong
 from symrender.numeric.radiometric.pipeline import rays
 from symrender.numeric.radiometric.world import make_world
 from symrender.numeric.rays import camera_frame, window_direction
@@ -27,7 +27,7 @@ from symrender.scene.arrays import Array
 from symrender.scene.load import AnyScene, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
-MODULES = (hits, diffuse, conductor, phong, path, tile)
+MODULES = (hits, choice, facets, fresnel, diffuse, conductor, phong, dispatch, pictures, path, tile)
 CAMERA = {"type": "look_at", "eye": [0.3, -5.6, 2.5], "target": [-0.15, 0, 0.55], "fov": 31}
 FLOOR = {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "tiles"}
 BALLS = [
@@ -69,7 +69,10 @@ NOISE_FREE = ("metal",)
 
 @dataclass(frozen=True)
 class Mutant:
-    """A mistake: in ``scene``, each (function, text, text in its place) of ``changes``; ``same``: it moves no mean."""
+    """A mistake: in ``scene``, each (function, text, text in its place) of ``changes``; ``same``: it moves no mean.
+
+    A function whose name several modules have is called ``module.function``.
+    """
 
     name: str
     scene: str
@@ -83,27 +86,29 @@ def _one(name: str, scene: str, function: str, old: str, new: str, *, same: bool
 
 _LATER = "indirect = plus(indirect, scaled(through, from_points(world, at), 1.0))"
 _LAMBERT = "share = wi[2] / math.pi"
-_WEIGHT = "1.0 / (_UNIFORM + density(material, at.wo, wi))"
-_OTHER = "weight = 1.0 / (chance + _UNIFORM) if both else 1.0 / chance"
+_WEIGHT = "1.0 / (chance + own)"
+_OTHER = "weight = 1.0 / (chance + (sky_chance(world, d) if shared and above else 0.0))"
 MUTANTS = (
-    _one("missing cosine", "bounce", "reflected", _LAMBERT, "share = 1.0 / math.pi"),
-    _one("cosine squared", "bounce", "reflected", _LAMBERT, "share = wi[2] * wi[2] / math.pi"),
-    _one("1/pi missing", "bounce", "reflected", _LAMBERT, "share = wi[2]"),
-    _one("1/pi twice", "bounce", "reflected", _LAMBERT, "share = wi[2] / math.pi**2"),
+    _one("missing cosine", "bounce", "diffuse.value", _LAMBERT, "share = 1.0 / math.pi"),
+    _one("cosine squared", "bounce", "diffuse.value", _LAMBERT, "share = wi[2] * wi[2] / math.pi"),
+    _one("1/pi missing", "bounce", "diffuse.value", _LAMBERT, "share = wi[2]"),
+    _one("1/pi twice", "bounce", "diffuse.value", _LAMBERT, "share = wi[2] / math.pi**2"),
     Mutant(
         "terminator of the wrong sign",
         "bounce",
         (
-            ("reflected", "if wo[2] <= 0.0 or wi[2] <= 0.0:", "if wo[2] <= 0.0:"),
-            ("reflected", _LAMBERT, "share = abs(wi[2]) / math.pi"),
-            ("from_points", " and reaches(world, at.hit, toward, limit)", ""),
+            ("scattered", "    if wi[2] <= 0.0:", "    if wi[2] <= -2.0:"),
+            ("diffuse.value", _LAMBERT, "share = abs(wi[2]) / math.pi"),
+            ("from_points", " and reaches(world, at.hit, toward, limit, goes_inside(at, wi))", ""),
         ),
     ),
     _one("fall-off 1/r", "bounce", "from_points", "1.0 / (limit * limit)", "1.0 / limit"),
     _one("no fall-off", "bounce", "from_points", "unit(way), 1.0 / (limit * limit)", "unit(way), 1.0"),
-    _one("no shadow rays", "bounce", "from_points", " and reaches(world, at.hit, toward, limit)", ""),
+    _one(
+        "no shadow rays", "bounce", "from_points", " and reaches(world, at.hit, toward, limit, goes_inside(at, wi))", ""
+    ),
     _one("shadow bias .1", "bounce", "reaches", "hit.place, toward", "along(hit.place, 0.1, hit.outward), toward"),
-    _one("shadows from behind the light", "bounce", "from_points", "toward, limit)", "toward, math.inf)", same=True),
+    _one("shadows from behind the light", "bounce", "from_points", "toward, limit, ", "toward, math.inf, ", same=True),
     _one("no bounced light", "bounce", "path", "depth > world.bounces or", "depth >= world.bounces or"),
     _one("last bounce lit twice", "bounce", "path", _LATER, _LATER.replace("1.0", "2.0")),
     _one(
@@ -122,16 +127,20 @@ MUTANTS = (
         "scaled(through, share, 2.0 / chance)",
     ),
     _one(
-        "uniform density for cosine directions", "bounce", "density", "return wi[2] / math.pi", "return 0.5 / math.pi"
+        "uniform density for cosine directions",
+        "bounce",
+        "diffuse.density",
+        "return wi[2] / math.pi",
+        "return 0.5 / math.pi",
     ),
     _one(
         "uniform directions of cosine density",
         "bounce",
-        "choose",
-        "r = math.sqrt(a)\n        return",
-        "a = a * (2.0 - a); r = math.sqrt(a)\n        return",
+        "by_cosine",
+        "turn, r = 2.0",
+        "a = a * (2.0 - a); turn, r = 2.0",
     ),
-    _one("half of the azimuths", "bounce", "choose", "turn = 2.0 * math.pi * b", "turn = math.pi * b"),
+    _one("half of the azimuths", "bounce", "by_cosine", "turn, r = 2.0 * math.pi * b", "turn, r = math.pi * b"),
     _one(
         "bounced rays start .1 off",
         "bounce",
@@ -158,8 +167,8 @@ MUTANTS = (
         "checker off by half a cell",
         "bounce",
         "albedo",
-        "x, y = x / material.cell, y",
-        "x, y = x / material.cell + 0.5, y",
+        "x, y = chart_place(world, hit, material.cell)",
+        "x, y = chart_place(world, hit, material.cell); x = x + 0.5",
     ),
     _one(
         "checker's colours exchanged",
@@ -172,27 +181,33 @@ MUTANTS = (
         "checker's cells doubled",
         "bounce",
         "albedo",
-        "x, y = x / material.cell, y / material.cell",
-        "x, y = 0.5 * x / material.cell, 0.5 * y / material.cell",
+        "chart_place(world, hit, material.cell)",
+        "chart_place(world, hit, 2.0 * material.cell)",
     ),
     _one(
         "weights squared on one side",
         "sky",
         "from_sky",
         _WEIGHT,
-        "_UNIFORM / (_UNIFORM**2 + density(material, at.wo, wi) ** 2)",
+        "chance / (chance**2 + own**2)",
     ),
     Mutant(
         "weights squared on both sides",
         "sky",
         (
-            ("from_sky", _WEIGHT, "_UNIFORM / (_UNIFORM**2 + density(material, at.wo, wi) ** 2)"),
-            ("path", _OTHER, "weight = chance / (chance**2 + _UNIFORM**2) if both else 1.0 / chance"),
+            ("from_sky", _WEIGHT, "chance / (chance**2 + own**2)"),
+            ("path", _OTHER, "weight = chance / (chance**2 + sky_chance(world, d) ** 2) if both else 1.0 / chance"),
         ),
         same=True,
     ),
     _one("sky counted by both, unweighted", "sky", "path", _OTHER, "weight = 1.0 / chance"),
-    _one("sky not hidden", "sky", "from_sky", " or not reaches(world, at.hit, outside(at, wi), math.inf)", ""),
+    _one(
+        "sky not hidden",
+        "sky",
+        "from_sky",
+        "if not reaches(world, at.hit, d, math.inf, goes_inside(at, wi))",
+        "if False",
+    ),
     _one("sky by half of the azimuths", "sky", "from_sky", "2.0 * math.pi * b", "math.pi * b"),
     _one("sky below the horizon", "sky", "from_sky", "max(0.0, 1.0 - a * a)", "1.0 - a"),
     _one("alpha squared", "metal", "facets", "material.alpha * material.alpha", "material.alpha**4"),
@@ -205,7 +220,7 @@ MUTANTS = (
     _one(
         "correlated for separable masking",
         "metal",
-        "reflected",
+        "facets.seen",
         "material.correlated != 0.0",
         "material.correlated == 0.0",
     ),
@@ -221,10 +236,10 @@ MUTANTS = (
     _one("eta and k exchanged", "metal", "fresnel", "n = (eta, k)", "n = (k, eta)"),
     _one("n = eta - i k", "metal", "fresnel", "n = (eta, k)", "n = (eta, -k)", same=True),
     _one("no Fresnel", "metal", "fresnel", "n = (eta, k)", "return 1.0\n    n = (eta, k)"),
-    _one("a quarter left out", "metal", "reflected", "share = 0.25 * facets", "share = facets"),
-    _one("wo and wi exchanged", "metal", "reflected", "* seen / wo[2]", "* seen / wi[2]"),
-    _one("(n + 1) for (n + 2)", "metal", "reflected", "(n + 2.0)", "(n + 1.0)"),
-    _one("lobe about the normal", "metal", "reflected", "mirrored(wo), n) * wi[2]", "(0.0, 0.0, 1.0), n) * wi[2]"),
+    _one("a quarter left out", "metal", "conductor.value", "0.25 * facets", "facets"),
+    _one("wo and wi exchanged", "metal", "conductor.value", "wi) / wo[2]", "wi) / wi[2]"),
+    _one("(n + 1) for (n + 2)", "metal", "phong.value", "(n + 2.0)", "(n + 1.0)"),
+    _one("lobe about the normal", "metal", "phong.value", "mirrored(wo), n) * wi[2]", "(0.0, 0.0, 1.0), n) * wi[2]"),
     _one(
         "pixels half a column off",
         "metal",
@@ -241,12 +256,12 @@ def planted(mutant: Mutant | None) -> Iterator[None]:
     before = {module: dict(vars(module)) for module in MODULES}
     texts: dict[str, str] = {}
     for name, old, new in mutant.changes if mutant else ():
-        text = texts.get(name) or inspect.getsource(getattr(_home(name), name))
+        text = texts.get(name) or inspect.getsource(getattr(_home(name), name.split(".")[-1]))
         assert old in text, f"{name} no longer reads {old!r}"
         texts[name] = text.replace(old, new)
     try:
-        for name, text in texts.items():
-            home = _home(name)
+        for full, text in texts.items():
+            home, name = _home(full), full.split(".")[-1]
             original = getattr(home, name)
             for word, value in (("unit", unit), ("along", along)):
                 vars(home).setdefault(word, value)
@@ -263,7 +278,9 @@ def planted(mutant: Mutant | None) -> Iterator[None]:
 
 def _home(name: str) -> ModuleType:
     """The module that a function of the tracer is written in."""
-    return next(m for m in MODULES if getattr(getattr(m, name, None), "__module__", "") == m.__name__)
+    module, _, function = name.rpartition(".")
+    written = [m for m in MODULES if getattr(getattr(m, function, None), "__module__", "") == m.__name__]
+    return next(m for m in written if not module or m.__name__.endswith(f".{module}"))
 
 
 def scene_of(name: str) -> AnyScene:

@@ -207,7 +207,7 @@ def test_derivatives_are_those_of_differences() -> None:
         ({"shape": "lamb"}, r"lights\[0\].shape: unknown shape 'lamb', did you mean 'lamp'"),
         (
             {"shape": "floor"},
-            r"lights\[0\].shape: must name a sphere, rectangle, triangle, disk, box or mesh, got the plane 'floor'",
+            r"lights\[0\].shape: must name a shape that ends, got the plane 'floor'",
         ),
         ({"radiance": -1}, "radiance"),
     ],

@@ -24,12 +24,12 @@ STEP = 1e-3
 def slope_and_difference(scene: Scene, name: str, column: int, row: int, kind: Filter, tol: float) -> tuple[Any, ...]:
     """(direct and gloss (2, 3) of a pixel, what they state, their differences, what these may be off by)."""
     settings = split_settings(
-        SIZE, tol=tol, disk="2x2", aa="none", budget=100_000, threads=1, tile=0, filter=kind
+        SIZE, tol=tol, disk="2x2", aa="none", budget=None, threads=1, tile=0, filter=kind
     )  # fmt: skip
     job, place = gradient_job(scene, [name], settings), (column, row, column + 1, row + 1)
     layers = job.empty_layers()
     prepare(scene_arrays(scene), settings, job.wrt)(*place, layers)
-    value, fine = float(get(scene, name)), replace(settings, tol=3e-6, budget=1_000_000)
+    value, fine = float(get(scene, name)), replace(settings, tol=3e-6)
 
     def mean(step: float) -> tuple[Any, float]:
         filled = {layer: np.zeros((SIZE, SIZE, 3)) for layer in ("direct", "gloss", "radiance")}

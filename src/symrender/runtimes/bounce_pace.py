@@ -24,10 +24,12 @@ MEASURES: Final[dict[type, dict[str, int]]] = {
         "bright": COLOUR, "dark": COLOUR, "cell": FIELD, "alpha": SHARE, "exponent": POWER, "eta": PLAIN, "k": PLAIN,
         "amplitude": FIXED, "kind": FIXED, "two_sided": FIXED, "texture": FIXED, "density": FIXED, "correlated": FIXED,
         "walter": FIXED, "begin": FIXED, "terms": FIXED, "own": FIXED, "geometric": FIXED,
+        "ior": FIXED, "transmitted": FIXED, "thin": FIXED, "specular": FIXED, "nonlinear": FIXED, "through": FIXED,
+        "within": FIXED, "picture": FIXED,
     },
     Shape: {
         "place": LENGTH, "radius": LENGTH, "normal": TURN, "along": TURN, "kind": FIXED, "material": FIXED,
-        "second": FIXED, "third": FIXED, "rotation": FIXED, "start": FIXED, "faces": FIXED,
+        "second": FIXED, "third": FIXED, "rotation": FIXED, "start": FIXED, "faces": FIXED, "caps": FIXED,
     },
     Light: {
         "place": LENGTH, "emitted": COLOUR, "axis": TURN, "beam": ANGLE, "cutoff": ANGLE, "kind": FIXED,

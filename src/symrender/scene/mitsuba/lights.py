@@ -8,7 +8,7 @@ import numpy as np
 
 from symrender.scene.document import Mark
 from symrender.scene.mitsuba.colours import EMITTED, REFLECTED, Reader
-from symrender.scene.mitsuba.properties import Properties
+from symrender.scene.mitsuba.properties import Properties, numbers
 from symrender.scene.mitsuba.textures import colour_of
 from symrender.scene.mitsuba.transforms import Array, taken_transform, uniform_scale
 
@@ -26,6 +26,7 @@ def light(properties: Properties, kind: str, name: str, reader: Reader) -> tuple
         raise properties.wrong(f"no such emitter here; known are {_KNOWN}")
     strength = _STRENGTHS[kind]
     colour = colour_of(properties, strength, 1.0, reader, EMITTED)
+    look = _one_look(properties)
     given = taken_transform(properties)
     outer = reader.outer
     matrix = outer if given is None else outer @ given
@@ -37,7 +38,7 @@ def light(properties: Properties, kind: str, name: str, reader: Reader) -> tuple
             place = properties.place("position", (0.0, 0.0, 0.0))
             entry["position"] = _column(matrix, 3) if given is not None else _turned(outer, place)
         case "spot":
-            entry |= _spot(properties, matrix)
+            entry |= _spot(properties, matrix) | ({"direction": _turned_way(outer, look)} if look is not None else {})
         case "directional":
             if "direction" in properties.named:
                 if given is not None:
@@ -58,6 +59,21 @@ def _column(matrix: Array, column: int) -> list[float]:
 
 def _turned(outer: Array, place: list[float]) -> list[float]:
     return [float(x) + 0.0 for x in outer[:3, :3] @ place]
+
+
+def _one_look(properties: Properties) -> list[float] | None:
+    """From origin to target, where ``to_world`` is one lookat and moves: exactly what the file says."""
+    transform = properties.named.get("to_world")
+    parts = transform.children if transform is not None else []
+    if not parts or parts[0].tag != "lookat" or any(part.tag != "translate" for part in parts[1:]):
+        return None
+    eye, target = (numbers(parts[0], parts[0].attributes.get(name, ""), 3) for name in ("origin", "target"))
+    return [b - a for a, b in zip(eye, target, strict=True)]
+
+
+def _turned_way(outer: Array, way: list[float]) -> list[float]:
+    """A direction in the scene's coordinates."""
+    return [float(x) for x in outer[:3, :3] @ way] if (outer != np.eye(4)).any() else way
 
 
 def _spot(properties: Properties, whole: Array) -> dict[str, Any]:

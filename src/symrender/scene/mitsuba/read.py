@@ -1,4 +1,4 @@
-"""A Mitsuba scene file as the radiometric scene that means the same; what has no meaning here is reported all at once."""
+"""A Mitsuba scene file as the radiometric scene that means the same; what has no meaning is reported all at once."""
 
 from __future__ import annotations
 
@@ -35,6 +35,8 @@ _SHARED: Final = ("bsdf", "texture", "spectrum", "film", "sampler", "rfilter", "
 _OTHERS: Final = ("accel", "camera", "mesh", "light", "brdf", "world")
 """What scenes of Nori and other renderers have, whose files begin alike."""
 _DEEPEST: Final = 8
+_EXPORTED: Final = "material-"
+"""What ids of materials begin with in files that were exported here: they are kept, used or not."""
 
 
 class _Scene:
@@ -144,6 +146,10 @@ def parse_mitsuba(text: str, origin: str, opener: Opener | None = None) -> Docum
                 known = "integrator, sensor, bsdf, texture, shape and emitter"
                 raise Malformed(f"{name_of(child)} has no meaning here; known are {known}", child.mark)
             readers[child.tag](read, child)
+    for identity, shared in objects.shared.items():
+        if shared.tag == "bsdf" and identity.startswith(_EXPORTED):
+            with read.part():
+                _dress(read, shared)
     if not any(child.tag == "sensor" for child in objects.children):
         read.problems.append(Problem((), "scene: needs one sensor", objects.root.mark))
     if emission_only:
@@ -205,8 +211,13 @@ def _dress(read: _Scene, element: Element) -> Dress:
         return known
     material, scales = checked_scales(surface(element, read.reader))
     have = read.data["materials"]
-    given = element.attributes.get("id", "").removeprefix("material-").split(":")[0]
-    name = next((name for name, other in have.items() if other == material), "")
+    identity = element.attributes.get("id", "")
+    given = identity.removeprefix(_EXPORTED).split(":")[0]
+    if identity.startswith(_EXPORTED):
+        # every material of a scene that was exported keeps its name
+        name = given if have.get(given) == material else ""
+    else:
+        name = next((name for name, other in have.items() if other == material), "")
     if not name:
         name = read.unique(given, "material", len(have) + 1, "materials")
         have[name] = material

@@ -15,7 +15,7 @@ from symrender.scene.document import Malformed, Mark
 from symrender.scene.printable import printable
 
 
-@dataclass
+@dataclass(slots=True)
 class Element:
     """One element: its tag, attributes, children and comments in order, and where it begins."""
 
