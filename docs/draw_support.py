@@ -9,6 +9,8 @@ nothing and fails where a page says something else.
 from __future__ import annotations
 
 import argparse
+import base64
+import io
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -39,6 +41,7 @@ CARD = {"type": "rectangle", "name": "card", "corner": [-1, 1, 0], "edge_u": [2,
 TRIANGLE = {"type": "triangle", "name": "sail", "vertices": [[-1, 1, 0.1], [1, 1, 0.1], [0, 1, 1.5]]}
 DISK = {"type": "disk", "name": "disk", "center": [0, 1, 0.6], "normal": [0, -1, 0], "radius": 0.5}
 BOX = {"type": "box", "name": "crate", "center": [0, 0.5, 0.4], "size": [0.8, 0.8, 0.8]}
+CYLINDER = {"type": "cylinder", "name": "post", "base": [0, 0.5, 0.1], "axis": [0, 0, 0.9], "radius": 0.3, "caps": True}
 MESH = {
     "type": "mesh",
     "name": "roof",
@@ -47,6 +50,15 @@ MESH = {
 }
 LAMP = {"type": "rectangle", "name": "panel", "corner": [-1, -1, 4], "edge_u": [0, 2, 0], "edge_v": [2, 0, 0]}
 GLOBE = {"type": "sphere", "name": "globe", "center": [-2, -2, 3], "radius": 0.4}
+
+
+def picture(wide: int, high: int) -> str:
+    """A PNG file of grey pixels, as scenes hold it."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.frombytes("L", (wide, high), bytes(range(40, 40 + wide * high))).save(file, "PNG")
+    return base64.b64encode(file.getvalue()).decode()
 
 
 def physical(*shapes: Mapping[str, Any], lights: tuple[Any, ...] = (POINT,), seen: Any = CLAY, **more: Any) -> Scene:
@@ -65,6 +77,16 @@ def physical(*shapes: Mapping[str, Any], lights: tuple[Any, ...] = (POINT,), see
     }
 
 
+def several(*materials: Scene) -> Scene:
+    """Cylinders side by side, each of another material."""
+    made = physical(PLANE, CYLINDER)
+    made["materials"] |= {f"m{k}": each for k, each in enumerate(materials)}
+    for k in range(len(materials)):
+        base = [k - 1.0, 0.5, 0.1]
+        made["shapes"].insert(1, CYLINDER | {"name": f"post{k}", "material": f"m{k}", "base": base, "radius": 0.2})
+    return made
+
+
 def area(shape: str) -> Scene:
     """A lamp of the shape of this name."""
     return {"type": "area", "name": "lamp", "shape": shape, "radiance": 5}
@@ -80,6 +102,7 @@ def height() -> Scene:
     return CLAY | {"bump": {"height": {"sin": {"mul": [5, "x"]}}, "amplitude": 0.05}}
 
 
+SURROUNDINGS = {"type": "environment", "name": "sky", "data": picture(8, 4), "scale": 0.5}
 RADIOMETRIC: Mapping[str, Scene] = {
     "spheres and planes": physical(PLANE, BALL),
     "rectangles, boxes, triangles": physical(SHEET, TRIANGLE, BOX),
@@ -116,6 +139,14 @@ RADIOMETRIC: Mapping[str, Scene] = {
     "checker": physical(PLANE, BALL, seen=textured(CHECKER)),
     "marble": physical(PLANE, BALL, seen=textured(CHECKER | {"type": "marble"})),
     "bump": physical(SHEET, BALL, seen=height()),
+    "cylinders, mirrors, glass, plastic": several(
+        {"type": "conductor", "alpha": 0, "material": "Au"},
+        {"type": "dielectric", "ior": 1.5},
+        {"type": "plastic", "ior": 1.5, "alpha": 0.1, "diffuse": 0.5},
+    ),
+    "image textures, environment maps": physical(
+        PLANE, BALL, lights=(SURROUNDINGS,), seen=textured({"type": "image", "data": picture(8, 4)})
+    ),
 }
 
 LOBE = {"weight": 0.3, "exponent": 32}
@@ -181,14 +212,14 @@ def exposed(scene: Scene) -> str:
 def light_of(scene: Scene) -> list[str]:
     """The name of a number that any scene with a light has."""
     light = scene["lights"][0]
-    kinds = {"point": "intensity", "spot": "intensity", "sky": "radiance", "area": "radiance"}
+    kinds = {"point": "intensity", "spot": "intensity", "sky": "radiance", "area": "radiance", "environment": "scale"}
     return [f"lights.{light['name']}.{kinds[light['type']]}"]
 
 
 def place_of(scene: Scene) -> list[str]:
     """The name of a number that moves the last shape."""
     shape = scene["shapes"][-1]
-    at = {"sphere": "center.x", "box": "center.x", "disk": "center.x", "mesh": "position.x"}
+    at = {"sphere": "center.x", "box": "center.x", "disk": "center.x", "mesh": "position.x", "cylinder": "base.x"}
     return [f"shapes.{shape['name']}.{at[shape['type']]}"]
 
 
