@@ -52,6 +52,13 @@ def test_parameters_files_and_references_are_put_in(tmp_path: Path) -> None:
         mitsuba(tmp_path, head, body='<shape type="sphere"><ref id="gris"/></shape>')
 
 
+def test_only_a_sampler_may_leave_its_parameters_open(tmp_path: Path) -> None:
+    draws = '<sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>'
+    assert mitsuba(tmp_path, camera=LOOK + draws).hash == mitsuba(tmp_path).hash
+    with pytest.raises(SceneError, match=r"no default says what \$far is"):
+        mitsuba(tmp_path, body='<shape type="sphere"><float name="radius" value="$far"/></shape>')
+
+
 def test_old_spelling_is_new_spelling(tmp_path: Path) -> None:
     new = mitsuba(tmp_path, body='<shape type="cube"><transform name="to_world"><scale value="2"/></transform></shape>')
     text = (tmp_path / "case.xml").read_text()

@@ -24,6 +24,8 @@ MAX_INCLUDES: Final = 15
 MAX_FILES: Final = 256
 """Most files that one scene includes."""
 _CAMEL: Final = re.compile(r"(?<=[a-z0-9])([A-Z]+)")
+_NOISE: Final = ("sample_count", "samples_per_pass", "seed")
+"""What a file may leave to who renders it: the mean of an image does not depend on it."""
 _PARAMETER: Final = re.compile(r"\$[A-Za-z_][A-Za-z0-9_]*")
 _OLD: Final = (2, 0, 0)
 _TEXTURE_SCALES: Final = ("uoffset", "voffset", "uscale", "vscale")
@@ -101,6 +103,8 @@ class _Expander:
             if "$" not in value:
                 continue
             unknown = [each for each in _PARAMETER.findall(value) if not self._known(each[1:])]
+            if unknown and element.attributes.get("name") in _NOISE:
+                value, unknown = "1", []
             if unknown:
                 raise Malformed(f"{element.tag}: no default says what {printable(unknown[0])} is", element.mark)
             for known in sorted(self.parameters, key=len, reverse=True):
