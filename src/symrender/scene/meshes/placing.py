@@ -46,7 +46,6 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
 
     made = dict(fields)
     normals = np.array(made["normals"], dtype=np.float64) if made.get("normals") else None
-    faces = [tuple(face) for face in made["faces"]]
     # faces without normals turn over in a mirror image
     turned = bool(how.get("flip_faces", False)) != (normals is None and bool(how.get("turn_bare", False)))
     if (rows := how.get("to_world")) is not None:
@@ -67,8 +66,7 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
     if how.get("flip_v") and made.get("uv"):
         made["uv"] = [(u, 1.0 - v) for u, v in made["uv"]]
     if turned:
-        made["faces"] = faces = [face[::-1] for face in faces]
-        for name in ("uv_faces", "normal_faces"):
+        for name in ("faces", "uv_faces", "normal_faces"):
             if made.get(name):
                 made[name] = [tuple(face)[::-1] for face in made[name]]
     if how.get("flip_faces") and normals is not None:
@@ -78,36 +76,6 @@ def placed(fields: dict[str, Any], how: Mapping[str, Any]) -> dict[str, Any]:
     if normals is not None:
         made |= {"normals": normals.tolist(), "shading_normals": "use"}
     elif how.get("vertex_normals") == "smooth":
-        made |= _smooth(made) | {"shading_normals": "use"}
+        # those of the faces about each vertex (``radiometric/detail.py``)
+        made["shading_normals"] = "use"
     return made
-
-
-def _smooth(made: dict[str, Any]) -> dict[str, Any]:
-    """Normals of vertices as fields: those of their faces, each by its angle there, as Mitsuba and G. Thuermer have it.
-
-    A vertex with several texture coordinates is several, as in Mitsuba.
-    """
-    import numpy as np
-
-    faces = np.array(made["faces"])
-    corners = np.array(made["vertices"], dtype=np.float64)[faces]
-    own = faces
-    if made.get("uv_faces"):
-        pairs = np.stack([faces, np.array(made["uv_faces"])], axis=-1).reshape(-1, 2)
-        own = np.unique(pairs, axis=0, return_inverse=True)[1].reshape(-1, 3)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    sums = np.zeros((int(own.max()) + 1, 3))
-    for k in range(3):
-        arms = [corners[:, (k + j) % 3] - corners[:, k] for j in (1, 2)]
-        units = [arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in arms]
-        angle = np.arccos(np.clip((units[0] * units[1]).sum(axis=1), -1.0, 1.0))
-        np.add.at(sums, own[:, k], angle[:, None] * normal)
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    # a vertex whose faces cancel has no side of its own
-    sums = np.where(lengths > 1e-12, sums / np.maximum(lengths, 1e-300), [0.0, 0.0, 1.0])
-    if own is faces:
-        full = np.tile([0.0, 0.0, 1.0], (len(made["vertices"]), 1))
-        full[: len(sums)] = sums
-        return {"normals": full.tolist()}
-    return {"normals": sums.tolist(), "normal_faces": [tuple(face) for face in own.tolist()]}

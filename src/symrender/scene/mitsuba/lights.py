@@ -38,7 +38,7 @@ def light(properties: Properties, kind: str, name: str, reader: Reader) -> tuple
             place = properties.place("position", (0.0, 0.0, 0.0))
             entry["position"] = _column(matrix, 3) if given is not None else _turned(outer, place)
         case "spot":
-            entry |= _spot(properties, matrix) | ({"direction": _turned_way(outer, look)} if look is not None else {})
+            entry |= _spot(properties, matrix) | ({"direction": _turned(outer, look)} if look is not None else {})
         case "directional":
             if "direction" in properties.named:
                 if given is not None:
@@ -69,11 +69,6 @@ def _one_look(properties: Properties) -> list[float] | None:
         return None
     eye, target = (numbers(parts[0], parts[0].attributes.get(name, ""), 3) for name in ("origin", "target"))
     return [b - a for a, b in zip(eye, target, strict=True)]
-
-
-def _turned_way(outer: Array, way: list[float]) -> list[float]:
-    """A direction in the scene's coordinates."""
-    return [float(x) for x in outer[:3, :3] @ way] if (outer != np.eye(4)).any() else way
 
 
 def _spot(properties: Properties, whole: Array) -> dict[str, Any]:
